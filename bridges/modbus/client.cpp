@@ -1,0 +1,117 @@
+#include "bridges/modbus/client.h"
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/system/error_code.hpp>
+#include <utility>
+#include <variant>
+
+namespace modbus {
+
+using boost::asio::awaitable;
+using boost::asio::redirect_error;
+using boost::asio::use_awaitable;
+using boost::asio::ip::tcp;
+
+Client::Client(tcp::socket socket, std::string address, bool may_write, Units& units, Replier& replier)
+    : socket_(std::move(socket)),
+      address_(std::move(address)),
+      may_write_(may_write),
+      units_(units),
+      replier_(replier),
+      active_(canopen::Clock::now()) {}
+
+void Client::close() {
+  boost::system::error_code ignored;  // It is gone either way.
+  socket_.shutdown(tcp::socket::shutdown_both, ignored);
+  socket_.close(ignored);
+}
+
+std::optional<canopen::TimePoint> Client::idle_since() const noexcept {
+  return commanding_ ? std::nullopt : std::optional(active_);
+}
+
+awaitable<void> Client::serve() {
+  boost::system::error_code failed;
+  for (;;) {
+    const auto room = boost::asio::buffer(received_.data() + filled_, received_.size() - filled_);
+    const std::size_t count = co_await socket_.async_read_some(room, redirect_error(use_awaitable, failed));
+    if (failed) {
+      co_return;
+    }
+    filled_ += count;
+    const std::span<const std::uint8_t> bytes(received_.data(), filled_);
+    std::size_t used = 0;
+    FoundFrame found = find_frame(bytes);
+    for (; found.framing == Framing::complete; found = find_frame(bytes.subspan(used))) {
+      const std::span<const std::uint8_t> frame = bytes.subspan(used, found.size);
+      used += found.size;
+      active_ = canopen::Clock::now();
+      if (begin(frame)) {
+        co_await carry_out(unit_of(frame));
+      }
+      Sent sent = send_answer(frame);
+      while (sent == Sent::would_block) {
+        co_await socket_.async_wait(tcp::socket::wait_write, redirect_error(use_awaitable, failed));
+        sent = failed ? Sent::failed : send_answer(frame);
+      }
+      if (sent == Sent::failed) {
+        co_return;
+      }
+    }
+    if (found.framing == Framing::broken) {
+      co_return;
+    }
+    std::copy(received_.begin() + static_cast<std::ptrdiff_t>(used),
+              received_.begin() + static_cast<std::ptrdiff_t>(filled_), received_.begin());
+    filled_ -= used;
+  }
+}
+
+bool Client::begin(std::span<const std::uint8_t> frame) {
+  const std::uint8_t unit = unit_of(frame);
+  if (!units_.has(unit)) {
+    answer_.exception = Exception::unknown_unit;
+    return false;
+  }
+  const std::variant<Request, Exception> parsed = parse_request(pdu_of(frame));
+  if (const auto* const refused = std::get_if<Exception>(&parsed)) {
+    answer_.exception = *refused;
+    return false;
+  }
+  answer_.request = std::get<Request>(parsed);
+  answer_.exception.reset();
+  if (answer_.request.writes() && !may_write_) {
+    answer_.exception = Exception::illegal_function;
+    return false;
+  }
+  // Of function 23 too, before anything is sent to the drive: a write whose read part must fail is not begun.
+  if (answer_.request.reads()) {
+    answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
+  }
+  return answer_.request.writes() && !answer_.exception;
+}
+
+awaitable<void> Client::carry_out(std::uint8_t unit) {
+  commanding_ = true;
+  process::Writer writer{.way = process::Writer::Way::modbus, .address = address_};
+  answer_.exception = co_await units_.write(unit, answer_.request, std::move(writer));
+  commanding_ = false;
+  active_ = canopen::Clock::now();
+  if (answer_.request.reads() && !answer_.exception) {
+    answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
+  }
+}
+
+Sent Client::send_answer(std::span<const std::uint8_t> frame) {
+  if (!socket_.is_open()) {
+    return Sent::failed;
+  }
+  const int socket = socket_.native_handle();
+  return answer_.exception ? replier_.refuse(socket, frame, *answer_.exception)
+                           : replier_.answer(socket, frame, answer_.request, snapshot_);
+}
+
+}  // namespace modbus

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "bridges/modbus/exception.h"
+#include "bridges/modbus/mbap.h"
+#include "bridges/modbus/replier.h"
+#include "bridges/modbus/request.h"
+#include "bridges/modbus/snapshot.h"
+#include "bridges/modbus/units.h"
+#include "canopen/clock.h"
+
+namespace modbus {
+
+/// One connection: its requests are carried out strictly in order, one at a time. All its memory is in here.
+class Client {
+ public:
+  /// `units` and `replier` outlive the client.
+  Client(boost::asio::ip::tcp::socket socket, std::string address, bool may_write, Units& units, Replier& replier);
+
+  /// Returns when the connection ended: by the client, by close(), or because it sent what is no Modbus.
+  boost::asio::awaitable<void> serve();
+  /// Ends the connection; serve() returns soon, a command that was begun is awaited.
+  void close();
+
+  /// When it last asked for something or was answered; nothing while a command is carried out for it.
+  [[nodiscard]] std::optional<canopen::TimePoint> idle_since() const noexcept;
+
+ private:
+  /// What is to be answered to the frame at hand.
+  struct Answer {
+    std::optional<Exception> exception;
+    Request request;
+  };
+
+  /// Answers reads at once; true: a write remains to be carried out.
+  [[nodiscard]] bool begin(std::span<const std::uint8_t> frame);
+  boost::asio::awaitable<void> carry_out(std::uint8_t unit);
+  [[nodiscard]] Sent send_answer(std::span<const std::uint8_t> frame);
+
+  boost::asio::ip::tcp::socket socket_;
+  std::string address_;
+  bool may_write_;
+  Units& units_;
+  Replier& replier_;
+
+  std::array<std::uint8_t, kMaxFrame> received_{};
+  std::size_t filled_ = 0;
+  Answer answer_;
+  Snapshot snapshot_;
+  canopen::TimePoint active_;
+  bool commanding_ = false;
+};
+
+}  // namespace modbus

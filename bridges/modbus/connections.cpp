@@ -1,0 +1,182 @@
+#include "bridges/modbus/connections.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/system/error_code.hpp>
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include "bridges/modbus/listen.h"
+
+namespace modbus {
+namespace {
+
+using boost::asio::awaitable;
+using boost::asio::redirect_error;
+using boost::asio::use_awaitable;
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+// After a failed accept (no descriptor left), so that the loop does not spin on it.
+constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
+
+// A client whose cable was pulled is noticed after one minute, not after hours.
+constexpr int kKeepaliveIdleSeconds = 30;
+constexpr int kKeepaliveIntervalSeconds = 10;
+constexpr int kKeepaliveProbes = 3;
+
+void set_integer(tcp::socket& socket, int level, int option, int value) {
+  // Where the kernel refuses one of these the connection works all the same.
+  ::setsockopt(socket.native_handle(), level, option, &value, sizeof value);
+}
+
+void prepare(tcp::socket& socket) {
+  set_integer(socket, IPPROTO_TCP, TCP_NODELAY, 1);
+  set_integer(socket, SOL_SOCKET, SO_KEEPALIVE, 1);
+  set_integer(socket, IPPROTO_TCP, TCP_KEEPIDLE, kKeepaliveIdleSeconds);
+  set_integer(socket, IPPROTO_TCP, TCP_KEEPINTVL, kKeepaliveIntervalSeconds);
+  set_integer(socket, IPPROTO_TCP, TCP_KEEPCNT, kKeepaliveProbes);
+}
+
+}  // namespace
+
+Connections::Listener::Listener(tcp::acceptor opened, std::size_t index)
+    : acceptor(std::move(opened)), listen_index(index), pause(acceptor.get_executor()) {}
+
+Connections::Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units)
+    : executor_(std::move(executor)),
+      settings_(settings),
+      readers_(settings.read_from, "[modbus] read_from"),
+      writers_(settings.write_from, "[modbus] write_from"),
+      units_(units),
+      idle_(executor_),
+      all_ended_(executor_) {}
+
+void Connections::start() {
+  std::list<Listener> opened;
+  for (std::size_t i = 0; i < settings_.listen.size(); ++i) {
+    for (tcp::acceptor& acceptor : open_listeners(executor_, settings_.listen[i])) {
+      opened.emplace_back(std::move(acceptor), i);
+    }
+  }
+  listeners_ = std::move(opened);
+  for (Listener& listener : listeners_) {
+    spawn(accept_from(listener));
+  }
+  if (settings_.idle_timeout > canopen::Duration::zero()) {
+    spawn(close_idle_clients());
+  }
+}
+
+awaitable<void> Connections::stop() {
+  stopping_ = true;
+  for (Listener& listener : listeners_) {
+    error_code ignored;
+    listener.acceptor.close(ignored);
+    listener.pause.cancel();
+  }
+  for (Client& client : clients_) {
+    client.close();
+  }
+  idle_.cancel();
+  while (running_ != 0) {
+    error_code ignored;
+    all_ended_.expires_at(canopen::TimePoint::max());
+    co_await all_ended_.async_wait(redirect_error(use_awaitable, ignored));
+  }
+}
+
+std::uint16_t Connections::port(std::size_t listen_index) const {
+  const auto found = std::ranges::find(listeners_, listen_index, &Listener::listen_index);
+  error_code ignored;
+  return found == listeners_.end() ? std::uint16_t{0} : found->acceptor.local_endpoint(ignored).port();
+}
+
+void Connections::spawn(awaitable<void> work) {
+  ++running_;
+  boost::asio::co_spawn(executor_, std::move(work), [this](const std::exception_ptr& failure) {
+    on_end();
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
+  });
+}
+
+void Connections::on_end() {
+  if (--running_ == 0) {
+    all_ended_.cancel();
+  }
+}
+
+awaitable<void> Connections::accept_from(Listener& listener) {
+  while (!stopping_) {
+    error_code failed;
+    tcp::socket socket = co_await listener.acceptor.async_accept(redirect_error(use_awaitable, failed));
+    if (!failed) {
+      admit(std::move(socket));
+    } else if (!stopping_ && failed != boost::asio::error::connection_aborted) {
+      listener.pause.expires_after(kAcceptPause);
+      co_await listener.pause.async_wait(redirect_error(use_awaitable, failed));
+    }
+  }
+}
+
+void Connections::admit(tcp::socket socket) {
+  error_code failed;
+  const tcp::endpoint remote = socket.remote_endpoint(failed);
+  if (failed || stopping_) {
+    return;
+  }
+  const boost::asio::ip::address address = plain_address(remote.address());
+  if (!readers_.contains(address) || clients_.size() >= settings_.max_clients) {
+    // Accepted and closed at once: the client learns it now and does not wait in the backlog until its own timeout.
+    ++refused_;
+    socket.shutdown(tcp::socket::shutdown_both, failed);
+    return;
+  }
+  prepare(socket);
+  const auto client = clients_.emplace(clients_.end(), std::move(socket), address.to_string(),
+                                       writers_.contains(address), units_, replier_);
+  units_.gateway().set_clients(clients_.size());
+  ++running_;
+  boost::asio::co_spawn(executor_, client->serve(), [this, client](const std::exception_ptr& failure) {
+    client->close();
+    clients_.erase(client);
+    units_.gateway().set_clients(clients_.size());
+    on_end();
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
+  });
+}
+
+awaitable<void> Connections::close_idle_clients() {
+  while (!stopping_) {
+    const canopen::TimePoint now = canopen::Clock::now();
+    canopen::TimePoint next = now + settings_.idle_timeout;
+    for (Client& client : clients_) {
+      const auto since = client.idle_since();
+      if (!since) {
+        continue;
+      }
+      const canopen::TimePoint end = *since + settings_.idle_timeout;
+      if (end <= now) {
+        client.close();
+      } else {
+        next = std::min(next, end);
+      }
+    }
+    error_code ignored;
+    idle_.expires_at(next);
+    co_await idle_.async_wait(redirect_error(use_awaitable, ignored));
+  }
+}
+
+}  // namespace modbus

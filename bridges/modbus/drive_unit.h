@@ -1,0 +1,61 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "bridges/modbus/diagnostics.h"
+#include "bridges/modbus/exception.h"
+#include "bridges/modbus/known_commands.h"
+#include "bridges/modbus/process_table.h"
+#include "bridges/modbus/request.h"
+#include "bridges/modbus/write_plan.h"
+#include "bridges/process/plant.h"
+
+namespace modbus {
+
+/// One drive as a Modbus unit. Its table follows the image in the very call that changes it; nothing here waits but
+/// write(), so that no request sees half an update.
+class DriveUnit {
+ public:
+  /// `plant` outlives the unit.
+  DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order);
+
+  void on_values(std::span<const process::SignalId> signals);
+  void on_commanded(std::span<const process::SignalId> signals);
+  /// Status, alarms or freshness changed.
+  void on_change();
+
+  /// `out` holds range.quantity.
+  [[nodiscard]] std::optional<Exception> read_registers(Range range, canopen::TimePoint now,
+                                                        std::span<std::uint16_t> out) const;
+  [[nodiscard]] std::optional<Exception> read_bits(Range range, canopen::TimePoint now,
+                                                   std::span<std::uint8_t> out) const;
+  /// Nothing: confirmed. What request.values points to outlives the call.
+  [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Writer writer);
+
+ private:
+  [[nodiscard]] process::Drive& drive() const { return plant_.drive(index_); }
+  void show(process::SignalId signal);
+  /// Only measured values can be out of date; a command register never makes a read fail.
+  [[nodiscard]] bool stale(process::SignalId signal, canopen::TimePoint now) const;
+  [[nodiscard]] Diagnostics diagnostics(Range range, canopen::TimePoint now) const;
+  [[nodiscard]] std::variant<std::uint16_t, Exception> masked_word(const Request& request,
+                                                                   canopen::TimePoint now) const;
+  [[nodiscard]] WritePlan plan(const Request& request, std::span<const std::uint8_t> bytes) const;
+  boost::asio::awaitable<std::optional<Exception>> write_nmt(std::uint16_t number, process::Writer writer);
+  boost::asio::awaitable<std::optional<Exception>> write_fields(std::vector<process::FieldWrite> fields,
+                                                                process::Writer writer);
+
+  process::Plant& plant_;
+  std::size_t index_;
+  ProcessTable table_;
+  std::vector<bool> measured_;  ///< Per signal: its value comes from the drive, not from a command.
+  KnownCommands known_commands_;
+  std::uint16_t last_nmt_command_ = 0;
+};
+
+}  // namespace modbus

@@ -1,0 +1,96 @@
+#include "bridges/modbus/gateway_unit.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "bridges/modbus/diagnostics.h"
+#include "bridges/modbus/process_table.h"
+#include "bridges/modbus/words.h"
+
+namespace modbus {
+namespace {
+
+constexpr canopen::Duration kCounterStep = std::chrono::milliseconds(100);
+constexpr std::size_t kNodeBitsBegin = 10;
+
+}  // namespace
+
+GatewayUnit::GatewayUnit(const process::Plant& plant, config::WordOrder order)
+    : plant_(plant), order_(order), started_(canopen::Clock::now()) {}
+
+std::optional<Exception> GatewayUnit::read_registers(Range range, canopen::TimePoint now,
+                                                     std::span<std::uint16_t> out) const {
+  const std::size_t buses = plant_.model().buses.size();
+  const std::size_t bus_end = std::min<std::size_t>(kBusBlockBegin + buses * kBusBlockSize, kDiagnosticsBegin);
+  std::optional<std::size_t> filled;
+  BusBlock block{};
+  for (std::size_t i = 0; i < range.quantity; ++i) {
+    const auto address = static_cast<std::uint16_t>(range.address + i);
+    if (address >= kBusBlockBegin && address < bus_end) {
+      const std::size_t offset = address - kBusBlockBegin;
+      if (filled != offset / kBusBlockSize) {
+        filled = offset / kBusBlockSize;
+        block = bus_block(*filled);
+      }
+      out[i] = block[offset % kBusBlockSize];
+    } else if (address < kCommonAddresses || is_diagnostic(address)) {
+      out[i] = general(address, now);
+    } else {
+      return Exception::illegal_address;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Exception> GatewayUnit::read_bits(Range range, std::span<std::uint8_t> out) const {
+  if (range.address + range.quantity > kCommonAddresses) {
+    return Exception::illegal_address;
+  }
+  std::ranges::fill(out.first(range.quantity), std::uint8_t{0});
+  return std::nullopt;
+}
+
+std::uint16_t GatewayUnit::general(std::uint16_t address, canopen::TimePoint now) const {
+  switch (address) {
+    case 0:
+      return static_cast<std::uint16_t>((now - started_) / kCounterStep);
+    case 1:
+      return static_cast<std::uint16_t>(plant_.size());
+    case 2:
+      return static_cast<std::uint16_t>(plant_.online());
+    case 3:
+      return static_cast<std::uint16_t>(plant_.with_alarm());
+    case 4:
+      return mqtt_connected_ ? 1 : 0;
+    case 5:
+      return static_cast<std::uint16_t>(clients_);
+    default:
+      return 0;
+  }
+}
+
+GatewayUnit::BusBlock GatewayUnit::bus_block(std::size_t bus) const {
+  const canopen::BusState& state = plant_.bus_state(bus);
+  const canopen::BusStatistics statistics = plant_.bus_statistics(bus);
+  BusBlock block{};
+  block[0] = static_cast<std::uint16_t>(state.condition);
+  block[1] = statistics.load_per_mille;
+  block[2] = state.transmit_errors;
+  block[3] = state.receive_errors;
+  block[4] = statistics.bus_offs;
+  block[5] = statistics.frames_lost;
+  put_words(statistics.frames_received, order_, std::span(block).subspan<6, 2>());
+  put_words(statistics.frames_sent, order_, std::span(block).subspan<8, 2>());
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
+    const process::Drive& drive = plant_.drive(i);
+    const canopen::NodeStatus& status = drive.status();
+    if (drive.model().bus == bus && status.online && status.nmt == canopen::NmtState::operational) {
+      const std::size_t node = drive.model().node.node;
+      std::uint16_t& word = block[kNodeBitsBegin + node / 16];
+      word = static_cast<std::uint16_t>(word | 1U << (node % 16));
+    }
+  }
+  return block;
+}
+
+}  // namespace modbus

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "bridges/modbus/exception.h"
+#include "bridges/modbus/request.h"
+#include "bridges/process/plant.h"
+#include "canopen/clock.h"
+
+namespace modbus {
+
+inline constexpr std::uint16_t kBusBlockBegin = 100;
+inline constexpr std::uint16_t kBusBlockSize = 20;
+
+/// The gateway itself, units 0 and 255: read-only, filled in when asked for.
+class GatewayUnit {
+ public:
+  /// `plant` outlives the unit.
+  GatewayUnit(const process::Plant& plant, config::WordOrder order);
+
+  void set_mqtt_connected(bool connected) noexcept { mqtt_connected_ = connected; }
+  void set_clients(std::size_t clients) noexcept { clients_ = clients; }
+
+  /// `out` holds range.quantity.
+  [[nodiscard]] std::optional<Exception> read_registers(Range range, canopen::TimePoint now,
+                                                        std::span<std::uint16_t> out) const;
+  [[nodiscard]] std::optional<Exception> read_bits(Range range, std::span<std::uint8_t> out) const;
+
+ private:
+  using BusBlock = std::array<std::uint16_t, kBusBlockSize>;
+
+  [[nodiscard]] std::uint16_t general(std::uint16_t address, canopen::TimePoint now) const;
+  [[nodiscard]] BusBlock bus_block(std::size_t bus) const;
+
+  const process::Plant& plant_;
+  config::WordOrder order_;
+  canopen::TimePoint started_;
+  bool mqtt_connected_ = false;
+  std::size_t clients_ = 0;
+};
+
+}  // namespace modbus

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bridges/process/drive.h"
+#include "canopen/clock.h"
+
+namespace modbus {
+
+/// Which command registers hold a value that a mask write (function 22) may build upon: it keeps the bits that the
+/// client did not name, so these must be bits that somebody commanded and that still stand. They do not any more after
+/// the drive booted, was lost, left operational, came to a stop or went into a fault: a mask write must never carry a
+/// run command from before.
+class KnownCommands {
+ public:
+  explicit KnownCommands(const config::Drive& drive);
+
+  /// Looks at the drive; to be called whenever anything of it changed.
+  void observe(const process::Drive& drive, canopen::TimePoint now);
+
+  void confirm(process::SignalId signal, canopen::Raw raw, canopen::TimePoint now);
+  void forget(process::SignalId signal);
+  /// When the value that stands was confirmed; nothing where none stands.
+  [[nodiscard]] std::optional<canopen::TimePoint> confirmed_at(process::SignalId signal) const;
+
+ private:
+  struct Seen {
+    bool operational = false;
+    bool running = false;
+    bool fault = false;
+    std::uint16_t boot_ups = 0;
+  };
+
+  const config::Drive& drive_;
+  std::vector<std::optional<canopen::TimePoint>> confirmed_;
+  Seen seen_;
+};
+
+}  // namespace modbus

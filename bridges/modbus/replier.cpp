@@ -1,0 +1,102 @@
+#include "bridges/modbus/replier.h"
+
+#include <modbus/modbus.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <new>
+
+#include "bridges/modbus/mbap.h"
+
+namespace modbus {
+namespace {
+
+Sent sent(int result) noexcept {
+  if (result > 0) {
+    return Sent::all;
+  }
+  // A short send leaves half an answer on the wire; libmodbus reports it as bad data.
+  return errno == EAGAIN || errno == EWOULDBLOCK ? Sent::would_block : Sent::failed;
+}
+
+}  // namespace
+
+void Replier::Free::operator()(_modbus* context) const noexcept {
+  modbus_free(context);
+}
+
+Replier::Replier() : context_(modbus_new_tcp(nullptr, 0)) {
+  if (!context_) {
+    throw std::bad_alloc();
+  }
+  // It sleeps this long before it answers what it takes for garbage. That is refused before, but if one ever came
+  // through, the whole gateway would stand still for the default of half a second.
+  modbus_set_response_timeout(context_.get(), 0, 1);
+}
+
+Sent Replier::refuse(int socket, std::span<const std::uint8_t> frame, Exception exception) {
+  modbus_set_socket(context_.get(), socket);
+  return sent(modbus_reply_exception(context_.get(), frame.data(), static_cast<unsigned>(exception)));
+}
+
+Sent Replier::answer(int socket, std::span<const std::uint8_t> frame, const Request& request, Snapshot& values) {
+  modbus_set_socket(context_.get(), socket);
+  if (request.reads() && request.writes()) {
+    return answer_read_write(frame, values);
+  }
+  return request.reads() ? answer_read(frame, request, values) : answer_write(frame, request);
+}
+
+Sent Replier::answer_read(std::span<const std::uint8_t> frame, const Request& request, Snapshot& values) {
+  // The mapping covers exactly what was asked for.
+  modbus_mapping_t mapping{};
+  mapping.start_bits = mapping.start_input_bits = request.read.address;
+  mapping.start_registers = mapping.start_input_registers = request.read.address;
+  if (request.of_bits()) {
+    mapping.nb_bits = mapping.nb_input_bits = request.read.quantity;
+    mapping.tab_bits = mapping.tab_input_bits = values.bits.data();
+  } else {
+    mapping.nb_registers = mapping.nb_input_registers = request.read.quantity;
+    mapping.tab_registers = mapping.tab_input_registers = values.registers.data();
+  }
+  return sent(modbus_reply(context_.get(), frame.data(), static_cast<int>(frame.size()), &mapping));
+}
+
+Sent Replier::answer_write(std::span<const std::uint8_t> frame, const Request& request) {
+  // libmodbus writes into whatever it is given; the tables change only by what the drive confirmed.
+  std::array<std::uint8_t, kMaxReadBits> scratch_bits{};
+  std::array<std::uint16_t, kMaxReadRegisters> scratch_registers{};
+  modbus_mapping_t mapping{};
+  mapping.start_bits = mapping.start_registers = request.write.address;
+  if (request.of_bits()) {
+    mapping.nb_bits = request.write.quantity;
+    mapping.tab_bits = scratch_bits.data();
+  } else {
+    mapping.nb_registers = request.write.quantity;
+    mapping.tab_registers = scratch_registers.data();
+  }
+  return sent(modbus_reply(context_.get(), frame.data(), static_cast<int>(frame.size()), &mapping));
+}
+
+Sent Replier::answer_read_write(std::span<const std::uint8_t> frame, const Snapshot& values) {
+  // The answer to function 23 names no addresses. So the same request is answered from a scratch table in which what
+  // is read stands first and what is written behind it, wherever the true addresses are and even where they overlap.
+  std::array<std::uint16_t, 2 * kMaxReadRegisters> scratch{};
+  std::ranges::copy(values.registers, scratch.begin());
+  std::array<std::uint8_t, kMaxFrame> moved{};
+  std::ranges::copy(frame, moved.begin());
+  constexpr std::size_t kReadAddress = kHeaderSize + 1;
+  constexpr std::size_t kWriteAddress = kHeaderSize + 5;
+  moved[kReadAddress] = 0;
+  moved[kReadAddress + 1] = 0;
+  moved[kWriteAddress] = 0;
+  moved[kWriteAddress + 1] = kMaxReadRegisters;
+
+  modbus_mapping_t mapping{};
+  mapping.nb_registers = static_cast<int>(scratch.size());
+  mapping.tab_registers = scratch.data();
+  return sent(modbus_reply(context_.get(), moved.data(), static_cast<int>(frame.size()), &mapping));
+}
+
+}  // namespace modbus

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "bridges/process/observer.h"
+#include "bridges/process/plant.h"
+#include "config/model.h"
+
+namespace modbus {
+
+/// The Modbus TCP server: every drive with a unit id is a unit, the gateway itself answers under 0 and 255.
+/// One loop, one thread.
+class Server final : public process::Observer {
+ public:
+  /// `plant` and `settings` outlive the server. Whoever creates it adds it to the plant's observers before the plant
+  /// starts. Throws std::runtime_error for address ranges that are none.
+  Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings);
+  /// After stop(), or after the loop has ended.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Opens all listeners. Throws std::runtime_error that names the endpoint, the cause and the remedy; then nothing
+  /// was started.
+  void start();
+  /// Ends listeners and connections. Returns when no command of a client is in progress any more, at the latest after
+  /// the longest deadline of a command.
+  boost::asio::awaitable<void> stop();
+
+  /// The port that config::Modbus::listen[listen_index] got, where the configuration says 0. 0 before start().
+  [[nodiscard]] std::uint16_t port(std::size_t listen_index) const;
+  /// Connected now.
+  [[nodiscard]] std::size_t clients() const noexcept;
+  /// Connections closed at once since the start: too many clients, or not from `read_from`.
+  [[nodiscard]] std::uint64_t refused() const noexcept;
+
+  /// Register 4 of the gateway unit.
+  void set_mqtt_connected(bool connected) noexcept;
+
+  void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_status(const process::Drive& drive) override;
+  void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
+  void on_bus(std::size_t bus) override;
+
+ private:
+  class Body;
+  std::unique_ptr<Body> body_;
+};
+
+}  // namespace modbus

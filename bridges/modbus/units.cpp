@@ -1,0 +1,40 @@
+#include "bridges/modbus/units.h"
+
+#include <utility>
+
+namespace modbus {
+
+Units::Units(process::Plant& plant, config::WordOrder order) : gateway_(plant, order), of_drive_(plant.size()) {
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    if (const auto unit = plant.drive(i).model().unit) {
+      of_drive_[i] = std::make_unique<DriveUnit>(plant, i, order);
+      by_id_[*unit] = of_drive_[i].get();
+    }
+  }
+}
+
+bool Units::has(std::uint8_t unit) const noexcept {
+  return is_gateway(unit) || by_id_[unit] != nullptr;
+}
+
+std::optional<Exception> Units::read(std::uint8_t unit, const Request& request, canopen::TimePoint now,
+                                     Snapshot& into) const {
+  if (is_gateway(unit)) {
+    return request.of_bits() ? gateway_.read_bits(request.read, into.bits)
+                             : gateway_.read_registers(request.read, now, into.registers);
+  }
+  const DriveUnit& drive = *by_id_[unit];
+  return request.of_bits() ? drive.read_bits(request.read, now, into.bits)
+                           : drive.read_registers(request.read, now, into.registers);
+}
+
+boost::asio::awaitable<std::optional<Exception>> Units::write(std::uint8_t unit, Request request,
+                                                              process::Writer writer) {
+  if (is_gateway(unit)) {
+    co_return Exception::illegal_address;
+  }
+  const std::optional<Exception> refused = co_await by_id_[unit]->write(request, std::move(writer));
+  co_return refused;
+}
+
+}  // namespace modbus

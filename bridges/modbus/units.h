@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <boost/asio/awaitable.hpp>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bridges/modbus/drive_unit.h"
+#include "bridges/modbus/exception.h"
+#include "bridges/modbus/gateway_unit.h"
+#include "bridges/modbus/request.h"
+#include "bridges/modbus/snapshot.h"
+#include "bridges/process/plant.h"
+
+namespace modbus {
+
+/// Who answers under which unit id: the drives, and the gateway under 0 and 255.
+class Units {
+ public:
+  /// `plant` outlives the units.
+  Units(process::Plant& plant, config::WordOrder order);
+
+  [[nodiscard]] bool has(std::uint8_t unit) const noexcept;
+  /// Reads request.read. The unit exists.
+  [[nodiscard]] std::optional<Exception> read(std::uint8_t unit, const Request& request, canopen::TimePoint now,
+                                              Snapshot& into) const;
+  /// Writes request.write, which must stay valid. The unit exists.
+  [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
+                                                                       process::Writer writer);
+
+  [[nodiscard]] GatewayUnit& gateway() noexcept { return gateway_; }
+  /// Null where the drive is not on Modbus.
+  [[nodiscard]] DriveUnit* of_drive(std::size_t index) const noexcept { return of_drive_[index].get(); }
+
+ private:
+  static constexpr std::size_t kUnitIds = 256;
+  [[nodiscard]] static bool is_gateway(std::uint8_t unit) noexcept { return unit == 0 || unit == kUnitIds - 1; }
+
+  GatewayUnit gateway_;
+  std::vector<std::unique_ptr<DriveUnit>> of_drive_;  ///< By position in the plant.
+  std::array<DriveUnit*, kUnitIds> by_id_{};
+};
+
+}  // namespace modbus

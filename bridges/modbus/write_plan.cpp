@@ -1,0 +1,53 @@
+#include "bridges/modbus/write_plan.h"
+
+#include <cstddef>
+
+#include "bridges/modbus/diagnostics.h"
+#include "bridges/modbus/words.h"
+
+namespace modbus {
+namespace {
+
+const config::Signal* writable_signal(const ProcessTable& table, process::SignalId owner) {
+  if (owner == kNoSignal) {
+    return nullptr;
+  }
+  const config::Signal& signal = table.drive().signals[owner];
+  return config::writable(signal.access) ? &signal : nullptr;
+}
+
+}  // namespace
+
+WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes) {
+  std::vector<process::FieldWrite> fields;
+  for (std::size_t done = 0; done < range.quantity;) {
+    const auto address = static_cast<std::uint16_t>(range.address + done);
+    const process::SignalId owner = is_diagnostic(address) ? kNoSignal : table.register_owner(address);
+    const config::Signal* const signal = writable_signal(table, owner);
+    if (signal == nullptr || signal->modbus.address != address || done + signal->modbus.count > range.quantity) {
+      return Exception::illegal_address;
+    }
+    const auto value = value_of(*signal, bytes.subspan(2 * done, 2U * signal->modbus.count), table.word_order());
+    if (!value) {
+      return Exception::illegal_value;
+    }
+    fields.push_back({.signal = owner, .value = *value});
+    done += signal->modbus.count;
+  }
+  return fields;
+}
+
+WritePlan plan_bits(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes) {
+  std::vector<process::FieldWrite> fields;
+  for (std::size_t i = 0; i < range.quantity; ++i) {
+    const process::SignalId owner = table.bit_owner(static_cast<std::uint16_t>(range.address + i));
+    if (writable_signal(table, owner) == nullptr) {
+      return Exception::illegal_address;
+    }
+    const canopen::Raw bit = bytes[i / 8] >> (i % 8) & 1U;
+    fields.push_back({.signal = owner, .value = bit});
+  }
+  return fields;
+}
+
+}  // namespace modbus

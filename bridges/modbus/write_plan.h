@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "bridges/modbus/exception.h"
+#include "bridges/modbus/process_table.h"
+#include "bridges/modbus/request.h"
+#include "bridges/process/drive.h"
+
+namespace modbus {
+
+/// What a write asks of a drive, or why it can not be asked. Every address must be that of a writable signal, and a
+/// wide value must be written whole. Limits, permission and the drive's state are the arbiter's business.
+using WritePlan = std::variant<std::vector<process::FieldWrite>, Exception>;
+
+/// `bytes`: two per register, high byte first.
+[[nodiscard]] WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes);
+/// `bytes`: eight bits each, lowest first.
+[[nodiscard]] WritePlan plan_bits(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes);
+
+}  // namespace modbus

@@ -1,0 +1,88 @@
+#include "bridges/mqtt/answers.h"
+
+#include "bridges/mqtt/json_text.h"
+#include "bridges/mqtt/value_text.h"
+#include "bridges/process/answer.h"
+#include "canopen/object.h"
+
+namespace mqtt {
+namespace {
+
+std::string abort_code(std::uint32_t code) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string text = "0x00000000";
+  for (std::size_t i = text.size(); i > 2; --i, code >>= 4U) {
+    text[i - 1] = kDigits[code & 0xFU];
+  }
+  return text;
+}
+
+// The detail alone where it says all; an abort code and a doubtful outcome are always named.
+std::string text_of(const canopen::Error& error) {
+  const bool plain = !error.detail.empty() && error.abort == 0 && !error.outcome_unknown;
+  return plain ? error.detail : canopen::to_string(error);
+}
+
+void append_error(ObjectText& object, const canopen::Error& error) {
+  object.text("code", process::answer_of(error.kind).mqtt_code);
+  if (error.abort != 0) {
+    object.text("abort", abort_code(error.abort));
+  }
+  object.text("error", text_of(error));
+}
+
+void append_id(ObjectText& object, const ReplyTo& to) {
+  if (!to.id.empty()) {
+    object.key("id") += to.id;
+  }
+}
+
+void append_raw(ObjectText& object, canopen::DataType type, canopen::Raw raw) {
+  if (type == canopen::DataType::boolean) {
+    object.boolean("value", raw != 0);
+  } else if (canopen::is_real(type)) {
+    object.number("value", canopen::to_number(type, raw));
+  } else {
+    object.key("value") += integer_text(type, raw);
+  }
+}
+
+Message answer(const ReplyTo& to, std::string payload) {
+  return {.topic = to.topic,
+          .payload = std::move(payload),
+          .kind = MessageKind::answer,
+          .retained = false,
+          .correlation = to.correlation};
+}
+
+}  // namespace
+
+Message command_answer(const ReplyTo& to, const canopen::Result<void>& outcome) {
+  std::string payload;
+  ObjectText object(payload);
+  object.boolean("ok", outcome.has_value());
+  if (outcome.has_error()) {
+    append_error(object, outcome.error());
+  }
+  object.text("topic", to.command_topic);
+  append_id(object, to);
+  object.close();
+  return answer(to, std::move(payload));
+}
+
+Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,
+                   canopen::DataType type) {
+  std::string payload;
+  ObjectText object(payload);
+  append_id(object, to);
+  object.boolean("ok", outcome.has_value());
+  if (outcome.has_error()) {
+    append_error(object, outcome.error());
+  } else if (outcome.value()) {
+    append_raw(object, type, *outcome.value());
+  }
+  object.close();
+  return answer(to, std::move(payload));
+}
+
+}  // namespace mqtt

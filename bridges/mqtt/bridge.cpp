@@ -1,0 +1,238 @@
+#include "bridges/mqtt/bridge.h"
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/system/error_code.hpp>
+#include <exception>
+#include <utility>
+
+#include "bridges/mqtt/alarm_json.h"
+#include "bridges/mqtt/info.h"
+#include "bridges/mqtt/payload.h"
+
+namespace mqtt {
+namespace {
+
+constexpr canopen::TimePoint kNever = canopen::TimePoint::max();
+// Longer than the usual deadline of a command.
+constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
+
+}  // namespace
+
+Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, const config::Mqtt& settings,
+               const config::Gateway& gateway, std::string version, std::unique_ptr<Broker> broker, Notice notice)
+    : plant_(plant),
+      version_(std::move(version)),
+      broker_(std::move(broker)),
+      notice_(std::move(notice)),
+      topics_(plant.model(), settings.base, gateway.name),
+      session_(*broker_, topics_, plant.size()),
+      requests_(executor, plant, topics_, [this](Message message) { publish(std::move(message)); }),
+      bus_alarms_due_(plant.model().buses.size(), true),
+      next_(kNever),
+      executor_(std::move(executor)),
+      timer_(executor_),
+      wake_at_(kNever),
+      ended_(executor_) {
+  feeds_.reserve(plant.size());
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    feeds_.emplace_back(plant.drive(i), topics_.drive(i), settings);
+  }
+}
+
+Bridge::~Bridge() = default;
+
+void Bridge::start() {
+  running_ = true;
+  boost::asio::co_spawn(executor_, run(), [this](std::exception_ptr failure) {
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
+    running_ = false;
+    ended_.cancel();
+  });
+  broker_->start(*this);
+}
+
+boost::asio::awaitable<void> Bridge::stop() {
+  co_await requests_.stop(kCommandPatience);
+  stopping_ = true;
+  timer_.cancel();
+  boost::system::error_code ignored;
+  if (running_) {
+    ended_.expires_at(kNever);
+    co_await ended_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+  }
+  std::vector<Message> last = std::exchange(batch_, {});
+  for (const Feed& feed : feeds_) {
+    last.push_back(feed.offline());
+  }
+  last.push_back({.topic = topics_.status(), .payload = online_text(false)});
+  co_await broker_->stop(std::move(last));
+  session_.lost();
+  follow_session();
+}
+
+void Bridge::on_values(const process::Drive& drive, std::span<const process::SignalId> signals) {
+  if (session_.ready()) {
+    wake(feeds_[drive.index()].mark_values(signals, canopen::Clock::now()));
+  }
+}
+
+void Bridge::on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) {
+  on_values(drive, signals);
+}
+
+void Bridge::on_commanded(const process::Drive&, std::span<const process::SignalId>) {
+  // What was commanded is on no topic; its effect comes back as values.
+}
+
+void Bridge::on_status(const process::Drive& drive) {
+  if (session_.ready()) {
+    wake(feeds_[drive.index()].mark_status(canopen::Clock::now()));
+  }
+}
+
+void Bridge::on_alarm(const process::Drive& drive, process::AlarmKind kind) {
+  if (session_.ready()) {
+    wake(feeds_[drive.index()].mark_alarm(kind, canopen::Clock::now()));
+  }
+}
+
+void Bridge::on_bus(std::size_t bus) {
+  bus_alarms_due_.at(bus) = true;
+  if (session_.ready()) {
+    wake(canopen::Clock::now());
+  }
+}
+
+void Bridge::on_connected(ConnectionId connection) {
+  session_.connected(connection, canopen::Clock::now());
+  wake(session_.deadline());
+}
+
+void Bridge::on_disconnected() {
+  session_.lost();
+  follow_session();
+}
+
+void Bridge::on_subscribed(bool granted) {
+  if (!granted) {
+    notice_(Level::error, "MQTT: the broker refuses subscriptions below " + topics_.root() +
+                              "; commands do not arrive. Give the gateway's user the right to read there");
+  }
+  session_.subscribed(canopen::Clock::now());
+  wake(session_.deadline());
+  follow_session();
+}
+
+void Bridge::on_message(Incoming message) {
+  const auto route = topics_.route(message.topic);
+  if (route && route->kind == Route::Kind::alarm) {
+    take_alarm(*route, message);
+    return;
+  }
+  requests_.handle(message);
+}
+
+boost::asio::awaitable<void> Bridge::run() {
+  boost::system::error_code ignored;
+  while (!stopping_) {
+    wake_at_ = turn();
+    timer_.expires_at(wake_at_);
+    co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+  }
+  turn();
+}
+
+canopen::TimePoint Bridge::turn() {
+  const canopen::TimePoint now = canopen::Clock::now();
+  session_.tick(now);
+  follow_session();
+  if (session_.ready()) {
+    collect(now);
+  } else {
+    next_ = kNever;
+  }
+  if (!batch_.empty() && !stopping_) {
+    broker_->publish(std::exchange(batch_, {}));
+  }
+  return std::min(next_, session_.deadline());
+}
+
+// What the broker still held when we started: the alarm as an earlier run of the gateway left it.
+void Bridge::take_alarm(const Route& route, const Incoming& message) {
+  if (!session_.reads_back() || !message.retained) {
+    return;
+  }
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
+    if (topics_.drive(i).alarms.at(static_cast<std::size_t>(process::AlarmKind::emcy)) != message.topic) {
+      continue;
+    }
+    if (const auto alarm = parse_alarm(message.payload)) {
+      plant_.drive(i).restore_emcy(*alarm);
+    } else {
+      notice_(Level::warning, "MQTT: what " + message.topic + " holds is no alarm of " + std::string(route.drive) +
+                                  "; it is ignored and replaced");
+    }
+    session_.alarm_came(i);
+    follow_session();
+    return;
+  }
+}
+
+void Bridge::announce() {
+  batch_.push_back({.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_)});
+  for (Feed& feed : feeds_) {
+    feed.mark_all();
+  }
+  bus_alarms_due_.assign(bus_alarms_due_.size(), true);
+  collect(canopen::Clock::now());
+  batch_.push_back({.topic = topics_.status(), .payload = online_text(true)});
+  broker_->publish(std::exchange(batch_, {}));
+  broker_->open(session_.connection());
+}
+
+void Bridge::collect(canopen::TimePoint now) {
+  next_ = kNever;
+  for (std::size_t i = 0; i < bus_alarms_due_.size(); ++i) {
+    if (bus_alarms_due_[i]) {
+      bus_alarms_due_[i] = false;
+      batch_.push_back(
+          {.topic = topics_.bus_alarm(i), .payload = alarm_json(plant_.bus_alarm(i)), .kind = MessageKind::alarm});
+    }
+  }
+  for (Feed& feed : feeds_) {
+    next_ = std::min(next_, feed.collect(now, batch_));
+  }
+}
+
+void Bridge::follow_session() {
+  if (session_.ready() == was_connected_) {
+    return;
+  }
+  was_connected_ = session_.ready();
+  if (was_connected_) {
+    announce();
+  }
+  wake(canopen::Clock::now());
+  if (connected_change_) {
+    connected_change_(was_connected_);
+  }
+}
+
+void Bridge::wake(canopen::TimePoint at) {
+  if (at < wake_at_) {
+    wake_at_ = at;
+    timer_.expires_at(at);  // run() goes on when its wait is cancelled
+  }
+}
+
+void Bridge::publish(Message message) {
+  batch_.push_back(std::move(message));
+  wake(canopen::Clock::now());
+}
+
+}  // namespace mqtt

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bridges/mqtt/broker.h"
+#include "bridges/mqtt/feed.h"
+#include "bridges/mqtt/notice.h"
+#include "bridges/mqtt/requests.h"
+#include "bridges/mqtt/session.h"
+#include "bridges/mqtt/topics.h"
+#include "bridges/process/observer.h"
+#include "bridges/process/plant.h"
+#include "canopen/clock.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// The plant on MQTT: marks what changed as the plant tells it, gives the broker one batch per turn of the loop, and
+/// takes commands. One loop, one thread.
+class Bridge final : public process::Observer, private BrokerEvents {
+ public:
+  /// To be added to the plant's observers before Plant::start(). The plant and `settings` outlive it. `version` is
+  /// shown in `B/info`.
+  Bridge(boost::asio::any_io_executor executor, process::Plant& plant, const config::Mqtt& settings,
+         const config::Gateway& gateway, std::string version, std::unique_ptr<Broker> broker, Notice notice);
+  ~Bridge();
+  Bridge(const Bridge&) = delete;
+  Bridge& operator=(const Bridge&) = delete;
+
+  void start();
+  /// Waits for commands under way, says `offline` of every drive and of the gateway, and disconnects; within a few
+  /// seconds, whatever the broker does. Before Plant::stop().
+  boost::asio::awaitable<void> stop();
+
+  /// Connected to the broker, and everything was published once.
+  [[nodiscard]] bool connected() const noexcept { return session_.ready(); }
+  /// Called on the loop whenever connected() changes.
+  void on_connected_change(std::function<void(bool)> function) { connected_change_ = std::move(function); }
+
+  void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_status(const process::Drive& drive) override;
+  void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
+  void on_bus(std::size_t bus) override;
+
+ private:
+  void on_connected(ConnectionId connection) override;
+  void on_disconnected() override;
+  void on_subscribed(bool granted) override;
+  void on_message(Incoming message) override;
+
+  boost::asio::awaitable<void> run();
+  /// Publishes what is due; returns when to come again.
+  canopen::TimePoint turn();
+  void take_alarm(const Route& route, const Incoming& message);
+  void announce();
+  void collect(canopen::TimePoint now);
+  void follow_session();
+  void wake(canopen::TimePoint at);
+  void publish(Message message);
+
+  process::Plant& plant_;
+  std::string version_;
+  std::unique_ptr<Broker> broker_;
+  Notice notice_;
+  Topics topics_;
+  Session session_;
+  Requests requests_;
+  std::vector<Feed> feeds_;           ///< By drive.
+  std::vector<bool> bus_alarms_due_;  ///< By bus.
+  std::vector<Message> batch_;        ///< Of this turn.
+  canopen::TimePoint next_;           ///< When something of the feeds is due.
+  std::function<void(bool)> connected_change_;
+  bool was_connected_ = false;
+
+  boost::asio::any_io_executor executor_;
+  canopen::Timer timer_;
+  canopen::TimePoint wake_at_;  ///< When the timer runs out.
+  bool stopping_ = false;
+  bool running_ = false;
+  canopen::Timer ended_;  ///< Cancelled when run() ended.
+};
+
+}  // namespace mqtt

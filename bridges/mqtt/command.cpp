@@ -1,0 +1,280 @@
+#include "bridges/mqtt/command.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridges/mqtt/json_text.h"
+#include "bridges/mqtt/number_text.h"
+#include "bridges/mqtt/value_text.h"
+
+namespace mqtt {
+namespace {
+
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Raw;
+using canopen::Result;
+
+constexpr std::string_view kSpace = " \t\r\n";
+
+Error type_error(std::string detail) {
+  return {.kind = ErrorKind::type, .detail = std::move(detail)};
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+// What plain text stands for; the signal decides what a word means.
+Scalar plain_scalar(std::string_view text) {
+  if (text == "true" || text == "false") {
+    return {Scalar::Kind::boolean, std::string(text)};
+  }
+  const Result<double> number = number_of(text);
+  const bool numeric = number.has_value() || number.error().kind == ErrorKind::range;
+  return {numeric ? Scalar::Kind::number : Scalar::Kind::string, std::string(text)};
+}
+
+const Scalar* find(const FlatObject& members, std::string_view name) {
+  const auto member =
+      std::find_if(members.begin(), members.end(), [name](const auto& entry) { return entry.first == name; });
+  return member == members.end() ? nullptr : &member->second;
+}
+
+// Moves the id out of the members.
+void take_id(Parsed& parsed) {
+  FlatObject& members = parsed.members.value();
+  const auto id = std::find_if(members.begin(), members.end(), [](const auto& entry) { return entry.first == "id"; });
+  if (id == members.end()) {
+    return;
+  }
+  const Scalar value = id->second;
+  members.erase(id);
+  if (value.kind == Scalar::Kind::number) {
+    parsed.id = value.text;
+  } else if (value.kind == Scalar::Kind::string) {
+    append_quoted(parsed.id, value.text);
+  } else {
+    parsed.members = type_error("\"id\" is to be a string or a number");
+  }
+}
+
+// A member that is not known is a mistake; a command with a mistake is not carried out.
+std::optional<Error> unknown_member(const FlatObject& members, std::initializer_list<std::string_view> known) {
+  for (const auto& [name, value] : members) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      std::string list;
+      for (const std::string_view each : known) {
+        list += list.empty() ? "" : ", ";
+        list += each;
+      }
+      return type_error("unknown member \"" + name + "\"; known are " + list + ", id");
+    }
+  }
+  return std::nullopt;
+}
+
+Result<Raw> named_raw(const config::Signal& signal, const std::string& name) {
+  std::string known;
+  for (const auto& [raw, text] : signal.values) {
+    if (text == name) {
+      return canopen::normalise(signal.type, static_cast<Raw>(raw));
+    }
+    known += known.empty() ? text : ", " + text;
+  }
+  if (signal.values.empty()) {
+    return type_error(signal.name + ": \"" + name.substr(0, 64) + "\" is not a number");
+  }
+  return type_error(signal.name + ": \"" + name.substr(0, 64) + "\" is none of " + known);
+}
+
+bool is_boolean(const config::Signal& signal) {
+  return signal.derived.has_value() || signal.type == canopen::DataType::boolean;
+}
+
+Result<std::variant<Raw, double>> number_for(const config::Signal& signal, const std::string& text) {
+  if (signal.scale == 1.0) {
+    if (const auto exact = exact_integer(signal.type, text)) {
+      if (exact->has_error()) {
+        return exact->error();
+      }
+      return std::variant<Raw, double>(exact->value());
+    }
+  }
+  const Result<double> number = number_of(text);
+  if (number.has_error()) {
+    return number.error();
+  }
+  return std::variant<Raw, double>(number.value());
+}
+
+Result<Raw> raw_of(canopen::DataType type, const Scalar& value) {
+  if (value.kind == Scalar::Kind::boolean && type == canopen::DataType::boolean) {
+    return Raw{value.text == "true" ? 1U : 0U};
+  }
+  if (value.kind != Scalar::Kind::number) {
+    return type_error("\"value\" is not a value of type " + std::string(canopen::name_of(type)));
+  }
+  if (const auto exact = exact_integer(type, value.text)) {
+    return *exact;
+  }
+  const Result<double> number = number_of(value.text);
+  if (number.has_error()) {
+    return number.error();
+  }
+  const auto raw = canopen::from_number(type, number.value());
+  if (!raw) {
+    return Error{.kind = ErrorKind::range,
+                 .detail = value.text + " is out of the range of " + std::string(canopen::name_of(type))};
+  }
+  return *raw;
+}
+
+// A member that has to be a string.
+Result<std::string> string_member(const FlatObject& members, std::string_view name) {
+  const Scalar* value = find(members, name);
+  if (value == nullptr || value->kind != Scalar::Kind::string) {
+    return type_error(std::string("\"").append(name).append("\" is to be a string"));
+  }
+  return value->text;
+}
+
+}  // namespace
+
+Parsed parse_value(std::string_view payload) {
+  const std::string_view text = trimmed(payload);
+  if (!text.starts_with('{')) {
+    if (payload.size() > kMaxCommand) {
+      return {{}, type_error("the payload is longer than " + std::to_string(kMaxCommand) + " bytes")};
+    }
+    return {{}, FlatObject{{"value", plain_scalar(text)}}};
+  }
+  Parsed parsed = parse_object_payload(payload);
+  if (parsed.members.has_error()) {
+    return parsed;
+  }
+  if (const auto unknown = unknown_member(parsed.members.value(), {"value"})) {
+    parsed.members = *unknown;
+  } else if (parsed.members.value().empty()) {
+    parsed.members = type_error("\"value\" is missing");
+  }
+  return parsed;
+}
+
+Parsed parse_object_payload(std::string_view payload) {
+  if (payload.size() > kMaxCommand) {
+    return {{}, type_error("the payload is longer than " + std::to_string(kMaxCommand) + " bytes")};
+  }
+  Parsed parsed{{}, parse_flat(payload)};
+  if (parsed.members.has_value()) {
+    take_id(parsed);
+  }
+  return parsed;
+}
+
+Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t position, const Scalar& value) {
+  const config::Signal& signal = drive.signals.at(position);
+  const auto id = static_cast<process::SignalId>(position);
+  if (!config::writable(signal.access)) {
+    return Error{.kind = ErrorKind::read_only, .detail = signal.name + " takes no values"};
+  }
+  switch (value.kind) {
+    case Scalar::Kind::null:
+      return type_error(signal.name + ": null is no value");
+    case Scalar::Kind::boolean:
+      if (!is_boolean(signal)) {
+        return type_error(signal.name + ": " + value.text + " is not a number");
+      }
+      return process::FieldWrite{id, Raw{value.text == "true" ? 1U : 0U}};
+    case Scalar::Kind::string: {
+      const Result<Raw> raw = named_raw(signal, value.text);
+      if (raw.has_error()) {
+        return raw.error();
+      }
+      return process::FieldWrite{id, raw.value()};
+    }
+    case Scalar::Kind::number:
+      break;
+  }
+  Result<std::variant<Raw, double>> number = number_for(signal, value.text);
+  if (number.has_error()) {
+    Error error = number.error();
+    error.detail = signal.name + ": " + error.detail;
+    return error;
+  }
+  return process::FieldWrite{id, number.value()};
+}
+
+Result<std::vector<process::FieldWrite>> fields_of(const config::Drive& drive, const FlatObject& members) {
+  if (members.empty()) {
+    return type_error("no signal is named");
+  }
+  std::vector<process::FieldWrite> fields;
+  for (const auto& [name, value] : members) {
+    const auto signal = drive.find(name);
+    if (!signal) {
+      return Error{.kind = ErrorKind::unknown, .detail = drive.name + " has no signal \"" + name + "\""};
+    }
+    Result<process::FieldWrite> field = field_of(drive, *signal, value);
+    if (field.has_error()) {
+      return field.error();
+    }
+    fields.push_back(field.value());
+  }
+  return fields;
+}
+
+Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members) {
+  const Result<std::string> name = string_member(members, "value");
+  const auto command = name.has_value() ? canopen::parse_nmt_command(name.value()) : std::nullopt;
+  if (!command) {
+    return Error{.kind = ErrorKind::unknown,
+                 .detail =
+                     "no such NMT command; known are start, stop, pre-operational, reset-node, "
+                     "reset-communication"};
+  }
+  return *command;
+}
+
+Result<SdoRequest> sdo_request_of(const FlatObject& members) {
+  if (const auto unknown = unknown_member(members, {"op", "object", "type", "value"})) {
+    return *unknown;
+  }
+  const Result<std::string> op = string_member(members, "op");
+  if (op.has_error()) {
+    return op.error();
+  }
+  if (op.value() != "read" && op.value() != "write") {
+    return Error{.kind = ErrorKind::unknown, .detail = "\"op\" is to be \"read\" or \"write\""};
+  }
+  const Result<std::string> object = string_member(members, "object");
+  const auto address = object.has_value() ? canopen::parse_object(object.value()) : std::nullopt;
+  if (!address) {
+    return type_error("\"object\" is to be an address like \"0x2002:03\"");
+  }
+  const Result<std::string> type = string_member(members, "type");
+  const auto data_type = type.has_value() ? canopen::parse_type(type.value()) : std::nullopt;
+  if (!data_type) {
+    return type_error("\"type\" is to be one of bool, u8, u16, u32, u64, i8, i16, i32, i64, f32, f64");
+  }
+  SdoRequest request{*address, *data_type, std::nullopt};
+  const Scalar* value = find(members, "value");
+  if (op.value() == "read") {
+    return value == nullptr ? Result<SdoRequest>(request) : type_error("a read has no \"value\"");
+  }
+  if (value == nullptr) {
+    return type_error("\"value\" is missing");
+  }
+  const Result<Raw> raw = raw_of(*data_type, *value);
+  if (raw.has_error()) {
+    return raw.error();
+  }
+  request.value = raw.value();
+  return request;
+}
+
+}  // namespace mqtt

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/mqtt/flat_json.h"
+#include "bridges/process/drive.h"
+#include "canopen/error.h"
+#include "canopen/nmt.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// Longer payloads are refused as `type` unread.
+inline constexpr std::size_t kMaxCommand = 16UL * 1024;
+
+/// A command's payload taken apart: its value or members, and the id to echo.
+struct Parsed {
+  /// A string or a number, as JSON text; empty: none.
+  std::string id;
+  canopen::Result<FlatObject> members;  ///< Without `id`.
+};
+
+/// Of `<signal>/set` and `nmt/set`: plain text or `{"value":…,"id":…}`; one member, `value`.
+[[nodiscard]] Parsed parse_value(std::string_view payload);
+/// Of `set` and `sdo/request`: an object.
+[[nodiscard]] Parsed parse_object_payload(std::string_view payload);
+
+/// The value for one signal. Numbers are in engineering units; booleans and enumerated names stand for their raw value.
+/// `read_only`, `type` and, for what a 64-bit type cannot hold, `range`.
+[[nodiscard]] canopen::Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t signal,
+                                                            const Scalar& value);
+/// Every member is a signal of the drive; at least one.
+[[nodiscard]] canopen::Result<std::vector<process::FieldWrite>> fields_of(const config::Drive& drive,
+                                                                          const FlatObject& members);
+
+[[nodiscard]] canopen::Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members);
+
+/// `{"op":"read","object":"0x2002:03","type":"u16"}`; a write has a `value`, raw as the device holds it.
+struct SdoRequest {
+  canopen::ObjectAddress object;
+  canopen::DataType type = canopen::DataType::u16;
+  std::optional<canopen::Raw> value;  ///< Nothing: read.
+};
+[[nodiscard]] canopen::Result<SdoRequest> sdo_request_of(const FlatObject& members);
+
+}  // namespace mqtt

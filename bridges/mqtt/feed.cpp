@@ -1,0 +1,114 @@
+#include "bridges/mqtt/feed.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridges/mqtt/alarm_json.h"
+#include "bridges/mqtt/payload.h"
+
+namespace mqtt {
+
+Feed::Feed(const process::Drive& drive, const DriveTopics& topics, const config::Mqtt& settings)
+    : drive_(drive), topics_(topics), settings_(settings), pace_(drive.model(), settings) {
+  mark_all();
+}
+
+canopen::TimePoint Feed::mark_values(std::span<const process::SignalId> signals, canopen::TimePoint now) {
+  const process::Image& image = drive_.image();
+  canopen::TimePoint due = canopen::TimePoint::max();
+  for (const process::SignalId signal : signals) {
+    due = std::min(due, pace_.note(signal, image.raw(signal), image.fresh(signal, now), now));
+  }
+  // A source without a readable signal of its own cannot change `fresh` unseen: all_fresh() counts sources with
+  // signals.
+  if (settings_.state && image.all_fresh(now) != fresh_) {
+    pace_.note_state();
+    due = now;
+  }
+  return due;
+}
+
+canopen::TimePoint Feed::mark_status(canopen::TimePoint now) {
+  const canopen::NodeStatus& status = drive_.status();
+  if (online_ == status.online && nmt_ == status.nmt) {
+    return canopen::TimePoint::max();  // counters and the result of the boot are on no topic
+  }
+  pace_.note_state();
+  return now;
+}
+
+canopen::TimePoint Feed::mark_alarm(process::AlarmKind kind, canopen::TimePoint now) {
+  alarms_due_.set(static_cast<std::size_t>(kind));
+  return now;
+}
+
+void Feed::mark_all() {
+  online_.reset();
+  nmt_.reset();
+  control_due_ = true;
+  alarms_due_.set();
+  pace_.forget();
+}
+
+canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& out) {
+  const bool online = drive_.status().online;
+  if (online_ != online) {
+    online_ = online;
+    out.push_back({.topic = topics_.status, .payload = online_text(online)});
+  }
+  if (control_due_) {
+    control_due_ = false;
+    out.push_back({.topic = topics_.control, .payload = control_json()});
+  }
+  for (const process::AlarmKind kind : process::kAlarmKinds) {
+    const auto position = static_cast<std::size_t>(kind);
+    if (alarms_due_.test(position)) {
+      out.push_back({.topic = topics_.alarms.at(position),
+                     .payload = alarm_json(drive_.alarm(kind)),
+                     .kind = MessageKind::alarm});
+    }
+  }
+  alarms_due_.reset();
+  // The state before the single values: its time stamps are those of the values as they were compared.
+  collect_state(now, out);
+  collect_signals(now, out);
+  return pace_.next();
+}
+
+Message Feed::offline() const {
+  return {.topic = topics_.status, .payload = online_text(false)};
+}
+
+void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {
+  if (!settings_.signals) {
+    return;
+  }
+  for (std::size_t i = 0; i < topics_.signals.size(); ++i) {
+    const auto signal = static_cast<process::SignalId>(i);
+    if (!pace_.signal_due(signal, now)) {
+      continue;
+    }
+    out.push_back({.topic = topics_.signals[i], .payload = signal_text(drive_, signal, pace_.shape(signal), now)});
+    const process::Image& image = drive_.image();
+    pace_.published_signal(signal, image.raw(signal), image.fresh(signal, now), now);
+  }
+}
+
+void Feed::collect_state(canopen::TimePoint now, std::vector<Message>& out) {
+  if (!pace_.state_due(now)) {
+    return;
+  }
+  out.push_back({.topic = topics_.state, .payload = state_json(drive_, pace_, now)});
+  const process::Image& image = drive_.image();
+  nmt_ = drive_.status().nmt;
+  fresh_ = image.all_fresh(now);
+  if (!settings_.signals) {
+    for (std::size_t i = 0; i < topics_.signals.size(); ++i) {
+      const auto signal = static_cast<process::SignalId>(i);
+      pace_.published_signal(signal, image.raw(signal), image.fresh(signal, now), now);
+    }
+  }
+  pace_.published_state(now);
+}
+
+}  // namespace mqtt

@@ -1,0 +1,114 @@
+#include "bridges/mqtt/flat_json.h"
+
+#include <algorithm>
+#include <boost/json/basic_parser_impl.hpp>
+#include <limits>
+
+namespace mqtt {
+namespace {
+
+namespace json = boost::json;
+using canopen::Error;
+using canopen::ErrorKind;
+
+// More members than any drive has signals.
+constexpr std::size_t kMaxMembers = 1024;
+
+// What Boost.JSON's parser calls while it reads. Returning false with an error code ends the parse there.
+class FlatHandler {
+ public:
+  static constexpr std::size_t max_object_size = kMaxMembers;
+  static constexpr std::size_t max_array_size = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t max_key_size = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t max_string_size = std::numeric_limits<std::size_t>::max();
+
+  bool on_document_begin(json::error_code&) { return true; }
+  bool on_document_end(json::error_code&) { return true; }
+  bool on_object_begin(json::error_code& failure) {
+    inside_ = !inside_;
+    return inside_ || refuse(failure, "an object inside the object");
+  }
+  bool on_object_end(std::size_t, json::error_code&) { return true; }
+  bool on_array_begin(json::error_code& failure) { return refuse(failure, "a list"); }
+  bool on_array_end(std::size_t, json::error_code&) { return true; }
+
+  bool on_key_part(json::string_view part, std::size_t, json::error_code&) { return gather(part); }
+  bool on_key(json::string_view part, std::size_t, json::error_code& failure) {
+    std::string name = take(part);
+    const bool known =
+        std::any_of(members_.begin(), members_.end(), [&name](const auto& member) { return member.first == name; });
+    if (known) {
+      return refuse(failure, "\"" + name + "\" twice");
+    }
+    members_.emplace_back(std::move(name), Scalar{});
+    return true;
+  }
+  bool on_string_part(json::string_view part, std::size_t, json::error_code&) { return gather(part); }
+  bool on_string(json::string_view part, std::size_t, json::error_code& failure) {
+    return add(Scalar::Kind::string, take(part), failure);
+  }
+  bool on_number_part(json::string_view part, json::error_code&) { return gather(part); }
+  bool on_int64(std::int64_t, json::string_view part, json::error_code& failure) { return add_number(part, failure); }
+  bool on_uint64(std::uint64_t, json::string_view part, json::error_code& failure) { return add_number(part, failure); }
+  bool on_double(double, json::string_view part, json::error_code& failure) { return add_number(part, failure); }
+  bool on_bool(bool value, json::error_code& failure) {
+    return add(Scalar::Kind::boolean, value ? "true" : "false", failure);
+  }
+  bool on_null(json::error_code& failure) { return add(Scalar::Kind::null, "null", failure); }
+  bool on_comment_part(json::string_view, json::error_code&) { return true; }
+  bool on_comment(json::string_view, json::error_code&) { return true; }
+
+  FlatObject& members() noexcept { return members_; }
+  [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
+
+ private:
+  bool gather(json::string_view part) {
+    gathered_.append(part.data(), part.size());
+    return true;
+  }
+  std::string take(json::string_view part) {
+    gather(part);
+    return std::exchange(gathered_, {});
+  }
+  bool add_number(json::string_view part, json::error_code& failure) {
+    return add(Scalar::Kind::number, take(part), failure);
+  }
+  bool add(Scalar::Kind kind, std::string text, json::error_code& failure) {
+    if (!inside_) {
+      return refuse(failure, "a single value");
+    }
+    members_.back().second = {kind, std::move(text)};
+    return true;
+  }
+  bool refuse(json::error_code& failure, std::string what) {
+    refusal_ = std::move(what);
+    refusal_ += ", but one object of single values is wanted";
+    failure = json::error::extra_data;  // any error stops the parser
+    return false;
+  }
+
+  FlatObject members_;
+  std::string gathered_;
+  std::string refusal_;
+  bool inside_ = false;
+};
+
+}  // namespace
+
+canopen::Result<FlatObject> parse_flat(std::string_view text) {
+  json::basic_parser<FlatHandler> parser{json::parse_options{}};
+  json::error_code failure;
+  const std::size_t read = parser.write_some(false, text.data(), text.size(), failure);
+  const bool trailing = !failure && text.find_first_not_of(" \t\r\n", read) != std::string_view::npos;
+  if (!failure && !trailing) {
+    return std::move(parser.handler().members());
+  }
+  const std::string where = " at character " + std::to_string(read + 1);
+  if (!parser.handler().refusal().empty()) {
+    return Error{.kind = ErrorKind::type, .detail = parser.handler().refusal() + where};
+  }
+  const std::string what = trailing ? "more behind the object" : failure.message();
+  return Error{.kind = ErrorKind::type, .detail = "not valid JSON" + where + ": " + what};
+}
+
+}  // namespace mqtt

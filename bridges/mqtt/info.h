@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "bridges/mqtt/topics.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// What `B/info` says: version, buses, drives, and every signal with its object, unit, range, access and topics.
+[[nodiscard]] std::string info_json(const config::Model& model, const Topics& topics, std::string_view version);
+
+}  // namespace mqtt

@@ -1,0 +1,106 @@
+#include "bridges/mqtt/payload.h"
+
+#include <optional>
+
+#include "bridges/mqtt/json_text.h"
+#include "bridges/mqtt/timestamp.h"
+#include "canopen/nmt.h"
+
+namespace mqtt {
+namespace {
+
+std::optional<canopen::WallTime> newest_value(const process::Image& image) {
+  std::optional<canopen::WallTime> newest;
+  for (const process::SourceState& source : image.sources()) {
+    if (source.received && (!newest || source.wall > *newest)) {
+      newest = source.wall;
+    }
+  }
+  return newest;
+}
+
+// A word with names has its number beside it, unless a signal of that name exists.
+std::optional<std::string> code_key(const config::Drive& model, const config::Signal& signal) {
+  std::string key = signal.name + "_code";
+  if (model.find(key)) {
+    return std::nullopt;
+  }
+  return key;
+}
+
+void append_named(ObjectText& object, const config::Drive& model, const config::Signal& signal, const std::string& text,
+                  canopen::Raw raw, bool fresh) {
+  if (fresh) {
+    object.text(signal.name, text);
+  } else {
+    object.null(signal.name);
+  }
+  const auto key = code_key(model, signal);
+  if (!key) {
+    return;
+  }
+  if (fresh) {
+    object.key(*key) += integer_text(signal.type, raw);
+  } else {
+    object.null(*key);
+  }
+}
+
+void append_values(std::string& out, const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
+  const config::Drive& model = drive.model();
+  const process::Image& image = drive.image();
+  ObjectText object(out);
+  std::string text;
+  for (std::size_t i = 0; i < model.signals.size(); ++i) {
+    const config::Signal& signal = model.signals[i];
+    if (!config::readable(signal.access)) {
+      continue;
+    }
+    const auto id = static_cast<process::SignalId>(i);
+    const Shape shape = pace.shape(id);
+    text.clear();
+    const bool fresh = image.fresh(id, now) && append_value(text, signal, shape, image.raw(id));
+    if (shape == Shape::name) {
+      append_named(object, model, signal, text, image.raw(id), fresh);
+    } else if (fresh) {
+      object.key(signal.name) += text;
+    } else {
+      object.null(signal.name);
+    }
+  }
+  object.close();
+}
+
+}  // namespace
+
+std::string state_json(const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
+  std::string out;
+  out.reserve(128 + 32 * drive.model().signals.size());
+  ObjectText object(out);
+  if (const auto ts = newest_value(drive.image())) {
+    object.text("ts", timestamp(*ts));
+  } else {
+    object.null("ts");
+  }
+  object.boolean("online", drive.status().online);
+  object.text("nmt", canopen::name_of(drive.status().nmt));
+  object.boolean("fresh", drive.image().all_fresh(now));
+  append_values(object.key("values"), drive, pace, now);
+  object.close();
+  return out;
+}
+
+std::string signal_text(const process::Drive& drive, process::SignalId signal, Shape shape, canopen::TimePoint now) {
+  std::string text;
+  const process::Image& image = drive.image();
+  if (!image.fresh(signal, now) || !append_value(text, drive.model().signals[signal], shape, image.raw(signal))) {
+    return {};
+  }
+  return text;
+}
+
+std::string control_json() {
+  return R"({"holder":null,"since":null,"timeout":false})";
+}
+
+}  // namespace mqtt

@@ -1,0 +1,134 @@
+#include "bridges/mqtt/topics.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridges/mqtt/utf8.h"
+
+namespace mqtt {
+namespace {
+
+// The longest topic MQTT can carry (MQTT 5 §1.5.4) is 65535 bytes; nobody needs as much.
+constexpr std::size_t kMaxTopic = 1024;
+
+// The levels of a topic; an empty level stays one.
+std::vector<std::string_view> levels_of(std::string_view topic) {
+  std::vector<std::string_view> levels;
+  for (;;) {
+    const std::size_t slash = topic.find('/');
+    levels.push_back(topic.substr(0, slash));
+    if (slash == std::string_view::npos) {
+      return levels;
+    }
+    topic.remove_prefix(slash + 1);
+  }
+}
+
+// What stands behind `parent/`.
+std::optional<std::string_view> below(std::string_view topic, std::string_view parent) {
+  if (topic.size() <= parent.size() || !topic.starts_with(parent) || topic[parent.size()] != '/') {
+    return std::nullopt;
+  }
+  return topic.substr(parent.size() + 1);
+}
+
+bool is_publishable(std::string_view topic) {
+  if (topic.empty() || topic.size() > kMaxTopic || topic.front() == '$' || !is_utf8(topic)) {
+    return false;
+  }
+  return std::none_of(topic.begin(), topic.end(), [](char character) {
+    return character == '+' || character == '#' || static_cast<unsigned char>(character) < 0x20 || character == 0x7F;
+  });
+}
+
+DriveTopics topics_of(const config::Drive& drive, const std::string& root) {
+  const std::string parent = root + "/" + drive.name + "/";
+  DriveTopics topics;
+  topics.status = parent + "status";
+  topics.state = parent + "state";
+  topics.control = parent + "control";
+  topics.sdo_response = parent + "sdo/response";
+  for (const process::AlarmKind kind : process::kAlarmKinds) {
+    topics.alarms.at(static_cast<std::size_t>(kind)) = parent + "alarm/" + std::string(process::name_of(kind));
+  }
+  for (const config::Signal& signal : drive.signals) {
+    topics.signals.push_back(parent + signal.name);
+  }
+  return topics;
+}
+
+}  // namespace
+
+std::string status_topic(std::string_view base, std::string_view gateway) {
+  return std::string(base) + "/" + std::string(gateway) + "/status";
+}
+
+Topics::Topics(const config::Model& model, std::string base, std::string_view gateway)
+    : base_(std::move(base)),
+      root_(base_ + "/" + std::string(gateway)),
+      status_(status_topic(base_, gateway)),
+      info_(root_ + "/info"),
+      result_(root_ + "/result") {
+  for (const config::Drive& drive : model.drives) {
+    drives_.push_back(topics_of(drive, root_));
+  }
+  for (const config::Bus& bus : model.buses) {
+    bus_alarms_.push_back(root_ + "/bus/" + bus.name + "/alarm");
+  }
+}
+
+std::vector<Subscription> Topics::command_subscriptions() const {
+  // `+/+/set` holds `nmt/set` too. None of these overlap, so no command comes twice.
+  return {{root_ + "/+/set", 1}, {root_ + "/+/+/set", 1}, {root_ + "/+/sdo/request", 1}};
+}
+
+std::optional<Route> Topics::route(std::string_view topic) const {
+  const auto rest = below(topic, root_);
+  if (!rest) {
+    return std::nullopt;
+  }
+  const std::vector<std::string_view> levels = levels_of(*rest);
+  if (levels.size() == 2 && levels[1] == "set") {
+    return Route{Route::Kind::set_drive, levels[0], {}};
+  }
+  if (levels.size() != 3) {
+    return std::nullopt;
+  }
+  if (levels[2] == "set") {
+    const Route::Kind kind = levels[1] == "nmt" ? Route::Kind::nmt : Route::Kind::set_signal;
+    return Route{kind, levels[0], levels[1]};
+  }
+  if (levels[1] == "sdo" && levels[2] == "request") {
+    return Route{Route::Kind::sdo, levels[0], {}};
+  }
+  if (levels[1] == "alarm") {
+    return Route{Route::Kind::alarm, levels[0], levels[2]};
+  }
+  return std::nullopt;
+}
+
+bool Topics::refused_as_response(std::string_view topic) const {
+  if (!is_publishable(topic)) {
+    return true;
+  }
+  const auto rest = below(topic, base_);
+  if (!rest) {
+    return false;
+  }
+  const std::vector<std::string_view> levels = levels_of(*rest);
+  if (levels.back() == "set" || levels.back() == "request" || levels.back() == "alive") {
+    return true;
+  }
+  if (topic == status_ || topic == info_) {
+    return true;
+  }
+  return std::any_of(drives_.begin(), drives_.end(),
+                     [topic](const DriveTopics& drive) {
+                       const std::string_view parent =
+                           std::string_view(drive.status).substr(0, drive.status.rfind('/'));
+                       return below(topic, parent) && topic != drive.sdo_response;
+                     }) ||
+         std::find(bus_alarms_.begin(), bus_alarms_.end(), topic) != bus_alarms_.end();
+}
+
+}  // namespace mqtt

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/mqtt/broker.h"
+#include "bridges/process/alarm.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// Topics of one drive, written out once.
+struct DriveTopics {
+  std::string status;
+  std::string state;
+  std::string control;
+  std::string sdo_response;
+  std::array<std::string, process::kAlarmKinds.size()> alarms;  ///< By AlarmKind.
+  std::vector<std::string> signals;                             ///< By SignalId.
+};
+
+/// What a message is about, by its topic. Nothing in it is checked to exist.
+struct Route {
+  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alarm };
+  Kind kind = Kind::set_signal;
+  std::string_view drive;   ///< A part of the topic.
+  std::string_view signal;  ///< Of set_signal.
+};
+
+/// Every topic of a gateway, `B` being `<base>/<gateway>`.
+class Topics {
+ public:
+  Topics(const config::Model& model, std::string base, std::string_view gateway);
+
+  [[nodiscard]] const std::string& status() const noexcept { return status_; }
+  [[nodiscard]] const std::string& info() const noexcept { return info_; }
+  [[nodiscard]] const std::string& result() const noexcept { return result_; }
+  [[nodiscard]] const std::string& root() const noexcept { return root_; }  ///< `B` itself.
+  [[nodiscard]] const DriveTopics& drive(std::size_t index) const { return drives_.at(index); }
+  [[nodiscard]] const std::string& bus_alarm(std::size_t bus) const { return bus_alarms_.at(bus); }
+
+  /// What commands come by, of any drive name: unknown ones are answered too.
+  [[nodiscard]] std::vector<Subscription> command_subscriptions() const;
+  /// Of a topic that command_subscriptions() or an alarm matches.
+  [[nodiscard]] std::optional<Route> route(std::string_view topic) const;
+  /// An answer sent there could be taken for a command or for something that we publish, by us or by another gateway of
+  /// the same base; or it is no topic one can publish to.
+  [[nodiscard]] bool refused_as_response(std::string_view topic) const;
+
+ private:
+  std::string base_;
+  std::string root_;
+  std::string status_;
+  std::string info_;
+  std::string result_;
+  std::vector<DriveTopics> drives_;
+  std::vector<std::string> bus_alarms_;
+};
+
+/// `<base>/<gateway>/status`, the topic of the will.
+[[nodiscard]] std::string status_topic(std::string_view base, std::string_view gateway);
+
+}  // namespace mqtt

@@ -1,0 +1,21 @@
+#include "bridges/process/alarm.h"
+
+namespace process {
+
+std::string_view name_of(AlarmKind kind) noexcept {
+  switch (kind) {
+    case AlarmKind::emcy:
+      return "emcy";
+    case AlarmKind::heartbeat:
+      return "heartbeat";
+    case AlarmKind::boot:
+      return "boot";
+    case AlarmKind::data:
+      return "data";
+    case AlarmKind::control:
+      break;
+  }
+  return "control";
+}
+
+}  // namespace process

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopen/clock.h"
+#include "config/model.h"
+
+namespace process {
+
+enum class AlarmKind : std::uint8_t {
+  emcy,       ///< Emergency messages, or the fault signal without one.
+  heartbeat,  ///< Error control lost, or a drive that never appeared.
+  boot,       ///< It answers but cannot be configured or taken over, or left operational by itself.
+  data,       ///< A TPDO is overdue while the drive lives.
+  control     ///< A command timeout acted or could not act.
+};
+inline constexpr std::array<AlarmKind, 5> kAlarmKinds{AlarmKind::emcy, AlarmKind::heartbeat, AlarmKind::boot,
+                                                      AlarmKind::data, AlarmKind::control};
+/// `emcy`, `heartbeat`, `boot`, `data`, `control`: the topic's last level.
+[[nodiscard]] std::string_view name_of(AlarmKind kind) noexcept;
+
+/// One error of a drive: one by code and vendor bytes.
+struct AlarmError {
+  std::uint16_t code = 0;
+  std::array<std::uint8_t, 5> vendor{};
+  std::string text;
+  config::Severity severity = config::Severity::fault;
+  canopen::WallTime since{};
+  friend bool operator==(const AlarmError&, const AlarmError&) = default;
+};
+
+/// The state of one alarm, as every bridge shows it.
+struct Alarm {
+  bool active = false;
+  std::string id;  ///< New at each change from inactive to active; empty before the first.
+  /// Of the newest active error, a fault before a warning; while inactive, of the last one shown.
+  std::uint16_t code = 0;
+  std::string text;
+  config::Severity severity = config::Severity::fault;
+  std::uint8_t error_register = 0;
+  std::array<std::uint8_t, 5> vendor{};
+  canopen::WallTime since{};    ///< When it became active.
+  canopen::WallTime ts{};       ///< Of its last change.
+  canopen::WallTime cleared{};  ///< When it became inactive; zero before it ever did.
+  std::uint32_t count = 0;      ///< Activations since the gateway's start (what was read back counts on).
+  bool confirmed = true;        ///< False while the drive cannot tell whether it still holds.
+  std::vector<AlarmError> errors;
+  friend bool operator==(const Alarm&, const Alarm&) = default;
+};
+
+}  // namespace process

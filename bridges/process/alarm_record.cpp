@@ -1,0 +1,84 @@
+#include "bridges/process/alarm_record.h"
+
+#include <chrono>
+#include <utility>
+
+#include "canopen/hex.h"
+
+namespace process {
+namespace {
+
+// The newest of the faults, where there is one, else of all.
+const AlarmError& foremost(const std::vector<AlarmError>& errors) {
+  const AlarmError* best = &errors.front();
+  for (const AlarmError& error : errors) {
+    if (error.severity >= best->severity) {
+      best = &error;
+    }
+  }
+  return *best;
+}
+
+}  // namespace
+
+AlarmRecord::AlarmRecord(std::string name) : name_(std::move(name)) {}
+
+bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_register, bool confirmed,
+                       canopen::WallTime now) {
+  const Alarm before = alarm_;
+  alarm_.errors = std::move(errors);
+  alarm_.active = !alarm_.errors.empty();
+  alarm_.error_register = error_register;
+  alarm_.confirmed = confirmed;
+  if (alarm_.active) {
+    const AlarmError& error = foremost(alarm_.errors);
+    alarm_.code = error.code;
+    alarm_.text = error.text;
+    alarm_.severity = error.severity;
+    alarm_.vendor = error.vendor;
+  }
+  if (alarm_.active && !before.active) {
+    ++alarm_.count;
+    // The time tells it from ids of before a restart, the count from those of the same millisecond.
+    const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
+    alarm_.id =
+        name_ + "-" + canopen::hex(static_cast<std::uint64_t>(milliseconds), 11) + "-" + std::to_string(alarm_.count);
+    alarm_.since = now;
+  }
+  if (!alarm_.active && before.active) {
+    alarm_.cleared = now;
+  }
+  if (alarm_ == before) {
+    return false;
+  }
+  alarm_.ts = now;
+  return true;
+}
+
+bool AlarmRecord::show(bool active, std::string text, config::Severity severity, canopen::WallTime now) {
+  std::vector<AlarmError> errors;
+  if (active) {
+    errors.push_back({0, {}, std::move(text), severity, alarm_.active ? alarm_.since : now});
+  }
+  return show(std::move(errors), 0, true, now);
+}
+
+void AlarmRecord::restore(const Alarm& before) {
+  // Active before and now is one activation, not two.
+  alarm_.count += before.count - (before.active && alarm_.active && before.count > 0 ? 1U : 0U);
+  if (before.active) {
+    alarm_.active = true;
+    alarm_.id = before.id;
+    alarm_.since = before.since;
+  }
+  alarm_.cleared = before.cleared;
+  alarm_.ts = before.ts;
+  if (alarm_.errors.empty()) {
+    alarm_.code = before.code;
+    alarm_.text = before.text;
+    alarm_.severity = before.severity;
+    alarm_.vendor = before.vendor;
+  }
+}
+
+}  // namespace process

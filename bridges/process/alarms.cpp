@@ -1,0 +1,127 @@
+#include "bridges/process/alarms.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace process {
+namespace {
+
+AlarmRecord record_of(const config::Drive& model, AlarmKind kind) {
+  return AlarmRecord(model.name + "-" + std::string(name_of(kind)));
+}
+
+std::string heartbeat_text(const config::Drive& model, const canopen::NodeStatus& status) {
+  const auto timeout =
+      std::chrono::duration_cast<std::chrono::milliseconds>(model.node.error_control.heartbeat_timeout).count();
+  if (!status.last_heartbeat && status.heartbeat_losses == 0) {
+    return "the drive has not appeared on the bus";
+  }
+  return "no heartbeat for " + std::to_string(timeout) + " ms";
+}
+
+bool is_letter(std::uint8_t boot_result) {
+  return boot_result != canopen::kBootOk && boot_result != canopen::kNotBooted;
+}
+
+std::string boot_text(const canopen::NodeStatus& status) {
+  if (!is_letter(status.boot_result)) {
+    return status.boot_text;
+  }
+  const std::string letter(1, static_cast<char>(status.boot_result));
+  return status.boot_text.empty() ? "boot error " + letter : letter + ": " + status.boot_text;
+}
+
+}  // namespace
+
+Alarms::Alarms(const config::Drive& model, Changed changed)
+    : model_(model),
+      changed_(std::move(changed)),
+      emergencies_(model),
+      records_{record_of(model, AlarmKind::emcy), record_of(model, AlarmKind::heartbeat),
+               record_of(model, AlarmKind::boot), record_of(model, AlarmKind::data),
+               record_of(model, AlarmKind::control)} {
+  // Nothing is known of the drive yet.
+  record(AlarmKind::emcy).show({}, 0, false, {});
+}
+
+void Alarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
+  if (emergencies_.on_emcy(emcy, at, wall)) {
+    show_emcy(wall);
+  }
+}
+
+void Alarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
+                    canopen::WallTime wall) {
+  if (emergencies_.on_bit(severity, set, period, at, wall)) {
+    show_emcy(wall);
+  }
+}
+
+void Alarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
+  if (emergencies_.on_fault_code(code)) {
+    show_emcy(wall);
+  }
+}
+
+void Alarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
+  if (emergencies_.on_readings(readings, at, wall)) {
+    show_emcy(wall);
+  }
+}
+
+void Alarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
+  was_online_ = was_online_ || status.online;
+  if (emergencies_.on_online(status.online)) {
+    show_emcy(wall);
+  }
+  show(AlarmKind::heartbeat, status.lost, heartbeat_text(model_, status), config::Severity::fault, wall);
+  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_text(status),
+       config::Severity::fault, wall);
+}
+
+void Alarms::on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall) {
+  std::string text;
+  for (const std::string& problem : problems) {
+    text += text.empty() ? problem : "; " + problem;
+  }
+  show(AlarmKind::data, !problems.empty(), std::move(text), config::Severity::warning, wall);
+}
+
+void Alarms::restore_emcy(const Alarm& before) {
+  if (was_online_) {
+    return;
+  }
+  emergencies_.restore(before);
+  record(AlarmKind::emcy).restore(before);
+  record(AlarmKind::emcy)
+      .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), before.ts);
+  changed_(AlarmKind::emcy);
+}
+
+const Alarm& Alarms::alarm(AlarmKind kind) const noexcept {
+  return records_[static_cast<std::size_t>(kind)].alarm();
+}
+
+bool Alarms::any(config::Severity severity) const noexcept {
+  return std::any_of(records_.begin(), records_.end(), [severity](const AlarmRecord& record) {
+    const std::vector<AlarmError>& errors = record.alarm().errors;
+    return std::any_of(errors.begin(), errors.end(),
+                       [severity](const AlarmError& error) { return error.severity == severity; });
+  });
+}
+
+void Alarms::show_emcy(canopen::WallTime wall) {
+  if (record(AlarmKind::emcy)
+          .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), wall)) {
+    changed_(AlarmKind::emcy);
+  }
+}
+
+void Alarms::show(AlarmKind kind, bool active, std::string text, config::Severity severity, canopen::WallTime wall) {
+  if (record(kind).show(active, std::move(text), severity, wall)) {
+    changed_(kind);
+  }
+}
+
+}  // namespace process

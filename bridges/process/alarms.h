@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bridges/process/alarm.h"
+#include "bridges/process/alarm_record.h"
+#include "bridges/process/emergencies.h"
+#include "canopen/clock.h"
+#include "canopen/emcy.h"
+#include "canopen/node_events.h"
+#include "config/model.h"
+
+namespace process {
+
+/// All alarms of one drive. Tells `changed` of each alarm that looks different, in the same call.
+class Alarms {
+ public:
+  using Changed = std::function<void(AlarmKind kind)>;
+
+  /// `model` outlives it.
+  Alarms(const config::Drive& model, Changed changed);
+
+  void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall);
+  void on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
+              canopen::WallTime wall);
+  void on_fault_code(std::uint64_t code, canopen::WallTime wall);
+  void on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
+  /// Heartbeat and boot alarms, and whether the emergencies are confirmed.
+  void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
+  /// Texts of what is wrong with TPDOs; none: nothing.
+  void on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall);
+  /// The emergency alarm as it was before the gateway's start; ignored once the drive was online.
+  void restore_emcy(const Alarm& before);
+
+  [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept;
+  [[nodiscard]] const Emergencies& emergencies() const noexcept { return emergencies_; }
+  /// An error of this severity is active.
+  [[nodiscard]] bool any(config::Severity severity) const noexcept;
+
+ private:
+  [[nodiscard]] AlarmRecord& record(AlarmKind kind) noexcept { return records_[static_cast<std::size_t>(kind)]; }
+  void show_emcy(canopen::WallTime wall);
+  void show(AlarmKind kind, bool active, std::string text, config::Severity severity, canopen::WallTime wall);
+
+  const config::Drive& model_;
+  Changed changed_;
+  Emergencies emergencies_;
+  std::array<AlarmRecord, kAlarmKinds.size()> records_;
+  bool was_online_ = false;
+};
+
+}  // namespace process

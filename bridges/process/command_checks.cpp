@@ -1,0 +1,110 @@
+#include "bridges/process/command_checks.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridges/process/value_check.h"
+
+namespace process {
+namespace {
+
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Result;
+
+// PDO communication and mapping (CiA 301 §7.5.2.35 to 38).
+bool is_pdo_setup(canopen::ObjectAddress object) {
+  return object.index >= 0x1400 && object.index <= 0x1BFF;
+}
+
+bool is_allowed(const config::Writers& writers, Writer::Way way) {
+  switch (way) {
+    case Writer::Way::modbus:
+      return writers.modbus;
+    case Writer::Way::mqtt:
+      return writers.mqtt;
+    case Writer::Way::local:
+      break;
+  }
+  return writers.local;
+}
+
+bool is_writable(const config::Signal& signal) {
+  return config::writable(signal.access) && !signal.derived;
+}
+
+Result<Field> check_field(const config::Drive& model, const FieldWrite& write) {
+  if (write.signal >= model.signals.size()) {
+    return command_error(model, ErrorKind::unknown, "no such signal");
+  }
+  const config::Signal& signal = model.signals[write.signal];
+  Result<canopen::Raw> raw =
+      is_writable(signal) ? check_value(signal, write.value)
+                          : Result<canopen::Raw>(command_error(model, ErrorKind::read_only, "cannot be written"));
+  if (raw.has_value()) {
+    return Field{write.signal, raw.value()};
+  }
+  Error refused = raw.error();
+  refused.node = model.node.node;
+  refused.object = signal.object;
+  return refused;
+}
+
+}  // namespace
+
+std::optional<Error> refuse_writer(const config::Drive& model, const Writer& writer) {
+  if (is_allowed(model.commands.writers, writer.way)) {
+    return std::nullopt;
+  }
+  return command_error(model, ErrorKind::forbidden, to_string(writer) + " is none of the writers of " + model.name);
+}
+
+std::optional<Error> refuse_raw(const config::Drive& model, canopen::ObjectAddress object) {
+  if (!model.commands.raw) {
+    return command_error(model, ErrorKind::forbidden, "no writable signal, and raw writes are not allowed");
+  }
+  if (is_pdo_setup(object)) {
+    return command_error(model, ErrorKind::forbidden, "what PDOs carry is set up by the configuration only");
+  }
+  return std::nullopt;
+}
+
+Result<std::vector<Field>> check_fields(const config::Drive& model, const std::vector<FieldWrite>& fields) {
+  if (fields.empty()) {
+    return command_error(model, ErrorKind::unknown, "no signal to write");
+  }
+  std::vector<Field> checked;
+  for (const FieldWrite& write : fields) {
+    const Result<Field> field = check_field(model, write);
+    if (field.has_value()) {
+      checked.push_back(field.value());
+      continue;
+    }
+    Error refused = field.error();
+    if (fields.size() > 1 && write.signal < model.signals.size()) {
+      refused.detail = model.signals[write.signal].name + ": " + refused.detail;
+    }
+    return refused;
+  }
+  return checked;
+}
+
+std::optional<SignalId> writable_signal(const config::Drive& model, canopen::ObjectAddress object) {
+  const auto found = std::find_if(model.signals.begin(), model.signals.end(), [&](const config::Signal& signal) {
+    return signal.object == object && is_writable(signal);
+  });
+  if (found == model.signals.end()) {
+    return std::nullopt;
+  }
+  return static_cast<SignalId>(found - model.signals.begin());
+}
+
+Error command_error(const config::Drive& model, ErrorKind kind, std::string detail) {
+  Error error;
+  error.kind = kind;
+  error.node = model.node.node;
+  error.detail = std::move(detail);
+  return error;
+}
+
+}  // namespace process

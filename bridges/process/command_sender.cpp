@@ -1,0 +1,98 @@
+#include "bridges/process/command_sender.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "canopen/remote_node.h"
+
+namespace process {
+namespace {
+
+using boost::asio::awaitable;
+using canopen::Error;
+using canopen::ErrorKind;
+
+// CiA 301 table 22: what a drive answers that does not take a mapped object by SDO at all.
+bool takes_no_sdo(const Error& error) {
+  constexpr std::array kCodes{0x06010000U, 0x06010002U, 0x06020000U, 0x06090011U};
+  return error.kind == ErrorKind::refused && std::find(kCodes.begin(), kCodes.end(), error.abort) != kCodes.end();
+}
+
+// The drive still holds what it held before.
+bool left_unchanged(const Error& error) {
+  return error.kind == ErrorKind::refused || (error.kind == ErrorKind::timeout && !error.outcome_unknown);
+}
+
+}  // namespace
+
+awaitable<Outcome> CommandSender::send(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline) {
+  if (step.rpdo != 0) {
+    return send_rpdo(std::move(step), knowledge, deadline);
+  }
+  return send_sdo(step.fields.front(), knowledge, deadline);
+}
+
+awaitable<Outcome> CommandSender::send_rpdo(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline) {
+  std::vector<canopen::ObjectValue> values;
+  for (const Field& field : step.fields) {
+    values.push_back(object_value(model_, field));
+  }
+  Outcome outcome = co_await node_.send_rpdo(step.rpdo, std::move(values), deadline);
+  if (outcome.has_error()) {
+    co_return outcome;
+  }
+  if (knowledge != knowledge_) {
+    node_.void_rpdos(true);
+  }
+  for (const Field& field : step.fields) {
+    const config::Signal& signal = model_.signals[field.signal];
+    if (config::is_momentary(signal, field.raw)) {
+      node_.forget_commanded(signal.object);
+    }
+  }
+  co_return outcome;
+}
+
+awaitable<Outcome> CommandSender::send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline) {
+  const config::Signal& signal = model_.signals[field.signal];
+  Outcome outcome = co_await node_.write(signal.object, signal.type, field.raw, deadline);
+  if (outcome.has_error()) {
+    if (!left_unchanged(outcome.error())) {
+      node_.forget_commanded(signal.object);
+    }
+    co_return explain(outcome.error(), signal.object);
+  }
+  if (config::is_momentary(signal, field.raw)) {
+    node_.forget_commanded(signal.object);
+    co_return outcome;
+  }
+  // Also where it will not count: an RPDO that is being repeated must not undo it.
+  node_.note_commanded(object_value(model_, field));
+  if (knowledge != knowledge_) {
+    node_.void_rpdos(true);
+  }
+  co_return outcome;
+}
+
+void CommandSender::make_void(bool keep_repeating) {
+  ++knowledge_;
+  node_.void_rpdos(keep_repeating);
+}
+
+/// Where an object can be commanded by its RPDO only, the abort alone would not tell what to do.
+Error CommandSender::explain(Error error, canopen::ObjectAddress object) const {
+  const std::uint16_t rpdo = node_.rpdo_of(object);
+  if (rpdo == 0 || !takes_no_sdo(error)) {
+    return error;
+  }
+  error.kind = ErrorKind::incomplete;
+  error.detail = "RPDO" + std::to_string(rpdo) +
+                 " is not complete, and the drive takes no single write of this object; " +
+                 completion_text(model_, rpdo);
+  return error;
+}
+
+}  // namespace process

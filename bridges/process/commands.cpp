@@ -1,0 +1,254 @@
+#include "bridges/process/commands.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "bridges/process/command_checks.h"
+#include "canopen/remote_node.h"
+
+namespace process {
+namespace {
+
+using boost::asio::awaitable;
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Result;
+
+void add_detail(Error& error, const std::string& text) {
+  if (!text.empty()) {
+    error.detail += error.detail.empty() ? text : "; " + text;
+  }
+}
+
+}  // namespace
+
+Commands::Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node,
+                   Image& image, Confirmed confirmed)
+    : model_(model),
+      node_(node),
+      image_(image),
+      confirmed_(std::move(confirmed)),
+      queue_(std::move(executor)),
+      sender_(model, node) {}
+
+awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields) {
+  const Arrival arrival = arrive();
+  if (std::optional<Error> refused = refuse_writer(model_, writer)) {
+    co_return *std::move(refused);
+  }
+  Result<std::vector<Field>> checked = check_fields(model_, fields);
+  if (checked.has_error()) {
+    co_return checked.error();
+  }
+  if (std::optional<Error> refused = refuse_unreachable()) {
+    co_return *std::move(refused);
+  }
+  const CommandQueue::Ticket ticket(queue_);
+  std::optional<Error> late = co_await await_turn(ticket, arrival);
+  if (late) {
+    co_return *std::move(late);
+  }
+  Outcome outcome = co_await carry_out(in_writing_order(model_, std::move(checked.value())), arrival);
+  co_return outcome;
+}
+
+awaitable<Outcome> Commands::nmt(Writer writer, canopen::NmtCommand command) {
+  const Arrival arrival = arrive();
+  if (std::optional<Error> refused = refuse_writer(model_, writer)) {
+    co_return *std::move(refused);
+  }
+  if (std::optional<Error> refused = refuse_nmt(command)) {
+    co_return *std::move(refused);
+  }
+  const CommandQueue::Ticket ticket(queue_);
+  const bool has_turn = co_await queue_.turn(ticket, arrival.deadline);
+  if (!has_turn) {
+    co_return no_turn();
+  }
+  // A run command may have been before it in the queue.
+  if (std::optional<Error> refused = refuse_nmt(command)) {
+    co_return *std::move(refused);
+  }
+  Outcome outcome = co_await node_.command(command, arrival.deadline);
+  co_return outcome;
+}
+
+awaitable<Result<canopen::Raw>> Commands::sdo_read(canopen::ObjectAddress object, canopen::DataType type) {
+  if (queue_.closed()) {
+    co_return no_turn();
+  }
+  const CommandQueue::Visit visit(queue_);
+  Result<canopen::Raw> answer = co_await node_.read(object, type);
+  co_return answer;
+}
+
+awaitable<Outcome> Commands::sdo_write(Writer writer, canopen::ObjectValue value) {
+  const Arrival arrival = arrive();
+  if (const std::optional<SignalId> signal = writable_signal(model_, value.object)) {
+    const canopen::DataType type = model_.signals[*signal].type;
+    if (type != value.type) {
+      Error wrong = error(ErrorKind::type, model_.signals[*signal].name + " is " + std::string(name_of(type)));
+      wrong.object = value.object;
+      co_return wrong;
+    }
+    std::vector<FieldWrite> fields{{*signal, canopen::normalise(type, value.raw)}};
+    Outcome outcome = co_await write(std::move(writer), std::move(fields));
+    co_return outcome;
+  }
+  std::optional<Error> refused = refuse_writer(model_, writer);
+  if (!refused) {
+    refused = refuse_raw(model_, value.object);
+  }
+  if (!refused) {
+    refused = refuse_unreachable();
+  }
+  if (refused) {
+    refused->object = value.object;
+    co_return *std::move(refused);
+  }
+  const CommandQueue::Ticket ticket(queue_);
+  std::optional<Error> late = co_await await_turn(ticket, arrival);
+  if (late) {
+    co_return *std::move(late);
+  }
+  Outcome outcome = co_await node_.write(value.object, value.type, value.raw, arrival.deadline);
+  co_return outcome;
+}
+
+void Commands::on_status(const canopen::NodeStatus& status) {
+  const bool live = status.online && status.nmt == canopen::NmtState::operational;
+  if (std::exchange(live_, live) && !live) {
+    ++session_;
+    sender_.on_voided();
+  }
+}
+
+void Commands::on_boot_up() {
+  ++session_;
+  sender_.on_voided();
+}
+
+void Commands::on_fault() {
+  sender_.make_void(false);
+}
+
+void Commands::on_standstill() {
+  // A drive that supervises its RPDOs would trip at standstill if they ended.
+  sender_.make_void(true);
+}
+
+Commands::Arrival Commands::arrive() const {
+  return {canopen::Clock::now() + model_.commands.deadline, session_, sender_.knowledge()};
+}
+
+std::optional<Error> Commands::refuse_unreachable() const {
+  if (queue_.closed()) {
+    return no_turn();
+  }
+  const canopen::NodeStatus& status = node_.status();
+  if (!status.online || !status.configured) {
+    return error(ErrorKind::offline,
+                 status.nmt == canopen::NmtState::unknown ? "the drive is offline" : "the drive is not booted");
+  }
+  if (status.nmt != canopen::NmtState::operational) {
+    return error(ErrorKind::offline, "the drive is " + std::string(name_of(status.nmt)) + ", not operational");
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Commands::refuse_nmt(canopen::NmtCommand command) const {
+  if (queue_.closed()) {
+    return no_turn();
+  }
+  if (command == canopen::NmtCommand::start || model_.commands.nmt_while_running) {
+    return std::nullopt;
+  }
+  if (!running_is_fresh()) {
+    return error(ErrorKind::forbidden, "nobody can tell whether the motor runs; nmt_while_running would allow it");
+  }
+  if (image_.raw(static_cast<SignalId>(*model_.faults.running)) != 0) {
+    return error(ErrorKind::forbidden, "the motor runs; nmt_while_running would allow it");
+  }
+  return std::nullopt;
+}
+
+awaitable<std::optional<Error>> Commands::await_turn(const CommandQueue::Ticket& ticket, Arrival arrival) {
+  const bool has_turn = co_await queue_.turn(ticket, arrival.deadline);
+  if (!has_turn) {
+    co_return no_turn();
+  }
+  if (std::optional<Error> refused = refuse_new_session(arrival)) {
+    co_return refused;
+  }
+  co_return refuse_unreachable();
+}
+
+awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arrival) {
+  std::string written;
+  bool allow_rpdo = true;
+  while (!remaining.empty()) {
+    if (!running_is_fresh()) {
+      // Nobody can tell whether the motor came to a stop since earlier commands.
+      on_standstill();
+    }
+    const WriteStep step = next_step(model_, node_, remaining, allow_rpdo);
+    Outcome outcome = co_await sender_.send(step, arrival.knowledge, arrival.deadline);
+    const bool withdrawn = step.rpdo != 0 && outcome.has_error() && outcome.error().kind == ErrorKind::incomplete;
+    if (outcome.has_value()) {
+      confirm(step);
+      for (const Field& field : step.fields) {
+        written += (written.empty() ? "" : ", ") + model_.signals[field.signal].name;
+        std::erase_if(remaining, [&](const Field& other) { return other.signal == field.signal; });
+      }
+    }
+    if ((outcome.has_value() || withdrawn) && !remaining.empty()) {
+      // Fault or standstill took away what a withdrawn RPDO relied on; it was not sent, so its fields go one by one.
+      allow_rpdo = allow_rpdo && !withdrawn;
+      std::optional<Error> over = refuse_new_session(arrival);
+      outcome = over ? Outcome(*std::move(over)) : Outcome();
+    }
+    if (outcome.has_error()) {
+      Error failure = outcome.error();
+      add_detail(failure, written.empty() ? std::string() : "already written: " + written);
+      co_return failure;
+    }
+  }
+  co_return Outcome();
+}
+
+void Commands::confirm(const WriteStep& step) {
+  std::vector<SignalId> signals;
+  for (const Field& field : step.fields) {
+    image_.commanded_[field.signal] = field.raw;
+    signals.push_back(field.signal);
+  }
+  std::sort(signals.begin(), signals.end());
+  confirmed_(signals);
+}
+
+bool Commands::running_is_fresh() const {
+  const auto& running = model_.faults.running;
+  return running && image_.fresh(static_cast<SignalId>(*running), canopen::Clock::now());
+}
+
+std::optional<Error> Commands::refuse_new_session(Arrival arrival) const {
+  if (session_ == arrival.session) {
+    return std::nullopt;
+  }
+  return error(ErrorKind::offline, "the drive rebooted, was lost or left operational meanwhile");
+}
+
+Error Commands::no_turn() const {
+  if (queue_.closed()) {
+    return error(ErrorKind::offline, "the gateway does not serve this drive any more");
+  }
+  const auto deadline = std::chrono::duration_cast<std::chrono::milliseconds>(model_.commands.deadline);
+  return error(ErrorKind::timeout, "not begun within " + std::to_string(deadline.count()) + " ms and withdrawn");
+}
+
+Error Commands::error(ErrorKind kind, std::string detail) const {
+  return command_error(model_, kind, std::move(detail));
+}
+
+}  // namespace process

@@ -1,0 +1,203 @@
+#include "bridges/process/drive_body.h"
+
+#include <array>
+#include <utility>
+
+#include "bridges/process/fault_naming.h"
+
+namespace process {
+
+Drive::Body::Body(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index,
+                  canopen::Bus& bus, const std::vector<Observer*>& observers, const Drive& drive)
+    : model_(model),
+      index_(index),
+      observers_(observers),
+      drive_(drive),
+      image_(model),
+      node_(executor, bus, model.node, *this),
+      inputs_(
+          model, image_, [this](std::uint16_t tpdo) { return node_.tpdo_verified(tpdo); }, *this),
+      alarms_(model, [this](AlarmKind kind) { tell([&](Observer& observer) { observer.on_alarm(drive_, kind); }); }),
+      commands_(executor, model, node_, image_,
+                [this](std::span<const SignalId> signals) {
+                  tell([&](Observer& observer) { observer.on_commanded(drive_, signals); });
+                }),
+      reader_(executor, model, node_, inputs_, alarms_),
+      expiry_(executor,
+              [this] {
+                inputs_.expire(canopen::Clock::now());
+                arm_expiry();
+              }),
+      fault_(indicator(model.faults.fault)),
+      warning_(indicator(model.faults.warning)),
+      running_(indicator(model.faults.running)),
+      fault_code_(indicator(model.faults.fault_code)) {}
+
+template <class Tell>
+void Drive::Body::tell(Tell tell_one) const {
+  for (Observer* observer : observers_) {
+    tell_one(*observer);
+  }
+}
+
+void Drive::Body::start() {
+  node_.start();
+  reader_.start();
+}
+
+boost::asio::awaitable<void> Drive::Body::stop() {
+  commands_.close();
+  co_await node_.stop();
+  co_await reader_.stop();
+  co_await commands_.until_idle();
+  expiry_.cancel();
+}
+
+std::optional<Drive::Body::Indicator> Drive::Body::indicator(const std::optional<std::size_t>& signal) const {
+  if (!signal) {
+    return std::nullopt;
+  }
+  const auto id = static_cast<SignalId>(*signal);
+  const SourceState* state = image_.source_of(id);
+  if (state == nullptr) {
+    return std::nullopt;
+  }
+  return Indicator{id, static_cast<SourceId>(state - image_.sources().data())};
+}
+
+void Drive::Body::on_status(const canopen::NodeStatus& status) {
+  commands_.on_status(status);
+  inputs_.on_status(status.online, status.nmt == canopen::NmtState::operational, canopen::Clock::now());
+  alarms_.on_status(status, canopen::wall_now());
+  if (std::exchange(was_online_, status.online) != status.online) {
+    had_fault_ = false;
+    if (status.online) {
+      reader_.check_errors();
+    } else {
+      reader_.forget_errors();
+    }
+  }
+  arm_expiry();
+  tell([&](Observer& observer) { observer.on_status(drive_); });
+}
+
+void Drive::Body::on_boot_up() {
+  commands_.on_boot_up();
+  inputs_.on_boot_up();
+}
+
+// Everything that an arrival means follows from the status told with it.
+void Drive::Body::on_arrival(canopen::Arrival /*arrival*/) {}
+
+void Drive::Body::on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, canopen::TimePoint at,
+                          canopen::WallTime wall) {
+  inputs_.on_tpdo(number, values, at, wall);
+  arm_expiry();
+}
+
+void Drive::Body::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) {
+  inputs_.on_tpdo_length(number, expected, received);
+}
+
+void Drive::Body::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
+  if (!emcy.reset && name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
+    commands_.on_fault();
+  }
+  alarms_.on_emcy(emcy, at, wall);
+  watch_bits();
+}
+
+void Drive::Body::on_frames_lost() {
+  inputs_.on_frames_lost(canopen::Clock::now());
+  if (was_online_) {
+    // An emergency may have been among them.
+    reader_.check_errors();
+  }
+}
+
+void Drive::Body::on_remark(const std::string& text) {
+  tell([&](Observer& observer) { observer.on_remark(drive_, text); });
+}
+
+void Drive::Body::on_values(SourceId source) {
+  void_commands(source);
+  const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
+  tell([&](Observer& observer) { observer.on_values(drive_, signals); });
+  tell_alarms(source);
+}
+
+void Drive::Body::on_stale(SourceId source) {
+  if (is_from(running_, source)) {
+    was_running_ = false;
+    commands_.on_standstill();
+  }
+  const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
+  tell([&](Observer& observer) { observer.on_freshness(drive_, signals); });
+}
+
+void Drive::Body::on_problems() {
+  alarms_.on_data_problems(inputs_.problems(), canopen::wall_now());
+}
+
+void Drive::Body::on_read_wanted() {
+  reader_.wake();
+  arm_expiry();
+}
+
+/// A run command that was given before a fault or a standstill is not to be carried along by a set-point after it. The
+/// end of a fault counts too: what was commanded while the drive could not run must not start it later.
+void Drive::Body::void_commands(SourceId source) {
+  if (is_from(running_, source)) {
+    const bool running = image_.raw(running_->signal) != 0;
+    if (std::exchange(was_running_, running) && !running) {
+      commands_.on_standstill();
+    }
+  }
+  if (is_from(fault_, source)) {
+    const bool fault = image_.raw(fault_->signal) != 0;
+    if (std::exchange(had_fault_, fault) != fault) {
+      commands_.on_fault();
+    }
+  }
+}
+
+void Drive::Body::tell_alarms(SourceId source) {
+  if (is_from(fault_code_, source)) {
+    alarms_.on_fault_code(image_.raw(fault_code_->signal), canopen::wall_now());
+  }
+  tell_bit(fault_, config::Severity::fault, source);
+  tell_bit(warning_, config::Severity::warning, source);
+}
+
+void Drive::Body::tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
+  if (!is_from(indicator, source) || !was_online_) {
+    return;
+  }
+  const SourceState& state = image_.sources()[source];
+  alarms_.on_bit(severity, image_.raw(indicator->signal) != 0, inputs_.period_of(source), state.at, state.wall);
+  watch_bits();
+}
+
+/// An on-change TPDO says nothing while nothing changes, so it is read as long as a further value would tell more.
+void Drive::Body::watch_bits() {
+  const auto undecided = [&](const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
+    return is_from(indicator, source) && alarms_.emergencies().undecided(severity);
+  };
+  for (const std::optional<Indicator>* indicator : {&fault_, &warning_}) {
+    if (*indicator) {
+      const SourceId source = (*indicator)->source;
+      const bool wanted =
+          undecided(fault_, config::Severity::fault, source) || undecided(warning_, config::Severity::warning, source);
+      inputs_.watch(source, wanted, canopen::Clock::now());
+    }
+  }
+}
+
+void Drive::Body::arm_expiry() {
+  const canopen::TimePoint next = inputs_.next_expiry();
+  if (next != canopen::TimePoint::max()) {
+    expiry_.arm_no_later_than(next);
+  }
+}
+
+}  // namespace process

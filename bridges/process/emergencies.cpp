@@ -1,0 +1,281 @@
+#include "bridges/process/emergencies.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridges/process/fault_naming.h"
+
+namespace process {
+namespace {
+
+using canopen::Duration;
+using canopen::TimePoint;
+using canopen::WallTime;
+using config::Severity;
+
+/// A bit is believed without having been seen otherwise when it stays so for so many periods.
+constexpr int kBelievedPeriods = 3;
+
+// An error as the broker kept it, with the drive's own number where the emergency carried one.
+std::optional<std::uint64_t> drive_code_of(const canopen::EmcySettings& settings, const AlarmError& error) {
+  std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(error.code), static_cast<std::uint8_t>(error.code >> 8)};
+  std::copy(error.vendor.begin(), error.vendor.end(), bytes.begin() + 3);
+  const std::optional<canopen::Emcy> emcy = canopen::decode_emcy(settings, bytes);
+  return emcy ? emcy->drive_code : std::nullopt;
+}
+
+std::uint16_t short_code(std::uint64_t code) noexcept {
+  return code <= 0xFFFF ? static_cast<std::uint16_t>(code) : std::uint16_t{0};
+}
+
+}  // namespace
+
+Emergencies::Emergencies(const config::Drive& model) : model_(model) {}
+
+bool Emergencies::on_emcy(const canopen::Emcy& emcy, TimePoint at, WallTime wall) {
+  ++received_;
+  error_register_ = emcy.error_register;
+  evidence_ = true;
+  if (!emcy.reset) {
+    add(emcy, wall);
+  } else if (emcy.remaining == 0 && emcy.error_register == 0) {
+    clear_all(at);
+  }
+  return true;
+}
+
+void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
+  config::FaultText named = name_emcy(model_.faults, model_.node.emcy, emcy);
+  const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    // What did not come by an emergency has no vendor bytes to compare.
+    return entry.error.code == emcy.code && (entry.origin != Origin::emcy || entry.error.vendor == emcy.vendor);
+  });
+  if (same != entries_.end()) {
+    same->error.vendor = emcy.vendor;
+    same->error.text = std::move(named.text);
+    same->error.severity = named.severity;
+    same->origin = Origin::emcy;
+    same->drive_code = emcy.drive_code;
+    same->seen_set = false;
+    same->clear_since.reset();
+    return;
+  }
+  WallTime since = wall;
+  // The bit came first and this is its name.
+  std::erase_if(entries_, [&](const Entry& entry) {
+    const bool replaced = entry.origin == Origin::bit && entry.error.severity == named.severity;
+    since = replaced ? entry.error.since : since;
+    return replaced;
+  });
+  entries_.push_back({.error = {emcy.code, emcy.vendor, std::move(named.text), named.severity, since},
+                      .origin = Origin::emcy,
+                      .drive_code = emcy.drive_code});
+}
+
+void Emergencies::clear_all(TimePoint at) {
+  entries_.clear();
+  for (Bit& bit : bits_) {
+    bit.reset_at = bit.set ? std::optional(at) : std::nullopt;
+  }
+}
+
+bool Emergencies::on_bit(Severity severity, bool set, Duration period, TimePoint at, WallTime wall) {
+  return set ? on_bit_set(severity, period, at, wall) : on_bit_clear(severity, period, at);
+}
+
+bool Emergencies::on_bit_set(Severity severity, Duration period, TimePoint at, WallTime wall) {
+  Bit& state = bit(severity);
+  if (!state.set) {
+    state.reset_at.reset();
+  }
+  state.known = true;
+  state.set = true;
+  for (Entry& entry : entries_) {
+    if (entry.error.severity == severity) {
+      entry.seen_set = true;
+      entry.clear_since.reset();
+    }
+  }
+  if (has(severity)) {
+    return !std::exchange(evidence_, true);
+  }
+  if (state.reset_at && at - *state.reset_at < kBelievedPeriods * period) {
+    return false;
+  }
+  state.reset_at.reset();
+  evidence_ = true;
+  raise_from_bit(severity, wall);
+  return true;
+}
+
+bool Emergencies::on_bit_clear(Severity severity, Duration period, TimePoint at) {
+  bit(severity) = {.known = true, .set = false};
+  const std::size_t removed = std::erase_if(entries_, [&](Entry& entry) {
+    if (entry.error.severity != severity) {
+      return false;
+    }
+    entry.clear_since = entry.clear_since.value_or(at);
+    return entry.seen_set || at - *entry.clear_since >= kBelievedPeriods * period;
+  });
+  return removed > 0;
+}
+
+void Emergencies::raise_from_bit(Severity severity, WallTime wall) {
+  const std::uint64_t code = code_for(severity);
+  entries_.push_back({.error = {short_code(code),
+                                {},
+                                name_fault_code(model_.faults, model_.node.emcy, code, severity).text,
+                                severity,
+                                wall},
+                      .origin = Origin::bit,
+                      .drive_code = code,
+                      .seen_set = true});
+}
+
+std::uint64_t Emergencies::code_for(Severity severity) const noexcept {
+  if (severity == Severity::fault) {
+    return fault_code_;
+  }
+  // The code of a fault must not name a warning beside it.
+  const auto known = model_.faults.drive_texts.find(fault_code_);
+  const bool names_fault = known != model_.faults.drive_texts.end() && known->second.severity == Severity::fault;
+  const bool taken = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.error.severity == Severity::fault && names(entry, fault_code_);
+  });
+  return names_fault || taken ? 0 : fault_code_;
+}
+
+bool Emergencies::on_fault_code(std::uint64_t code) {
+  if (std::exchange(fault_code_, code) == code || code == 0) {
+    return false;
+  }
+  bool changed = false;
+  for (Entry& entry : entries_) {
+    const std::uint64_t suited = code_for(entry.error.severity);
+    if (entry.origin == Origin::bit && suited != 0 && entry.drive_code != suited) {
+      entry.error.code = short_code(suited);
+      entry.error.text = name_fault_code(model_.faults, model_.node.emcy, suited, entry.error.severity).text;
+      entry.drive_code = suited;
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+bool Emergencies::on_readings(const ErrorReadings& readings, TimePoint at, WallTime wall) {
+  if (readings.fault_code) {
+    on_fault_code(*readings.fault_code);
+  }
+  if (!readings.error_register) {
+    return true;
+  }
+  error_register_ = *readings.error_register;
+  evidence_ = true;
+  if (error_register_ != 0) {
+    raise_from_readings(readings, wall);
+    return true;
+  }
+  // An error that its bit shows at this moment would only come back at once.
+  std::vector<Entry> shown;
+  std::copy_if(entries_.begin(), entries_.end(), std::back_inserter(shown),
+               [&](const Entry& entry) { return entry.origin == Origin::bit && bit(entry.error.severity).set; });
+  clear_all(at);
+  entries_ = std::move(shown);
+  return true;
+}
+
+void Emergencies::raise_from_readings(const ErrorReadings& readings, WallTime wall) {
+  const std::uint64_t code = readings.fault_code.value_or(0);
+  const bool named = code != 0 && std::any_of(entries_.begin(), entries_.end(),
+                                              [&](const Entry& entry) { return names(entry, code); });
+  if (named) {
+    return;
+  }
+  if (code == 0 && !entries_.empty()) {
+    name_by_history(readings.history.value_or(0));
+    return;
+  }
+  const Bit& fault = bit(Severity::fault);
+  const Severity severity = fault.known && !fault.set ? Severity::warning : Severity::fault;
+  entries_.push_back({.error = {short_code(code),
+                                {},
+                                name_fault_code(model_.faults, model_.node.emcy, code, severity).text,
+                                severity,
+                                wall},
+                      .origin = Origin::error_register,
+                      .drive_code = code});
+  name_by_history(code == 0 ? readings.history.value_or(0) : std::uint16_t{0});
+}
+
+// The history only names: it may be of an error long gone.
+void Emergencies::name_by_history(std::uint16_t code) {
+  for (Entry& entry : entries_) {
+    if (code != 0 && entry.drive_code == 0U && entry.error.code == 0) {
+      entry.error.code = code;
+      entry.error.text = name_history_code(model_.faults, model_.node.emcy, code, entry.error.severity).text;
+    }
+  }
+}
+
+bool Emergencies::on_online(bool online) {
+  if (std::exchange(online_, online) == online) {
+    return false;
+  }
+  if (!online) {
+    evidence_ = false;
+    bits_ = {};
+    fault_code_ = 0;
+    for (Entry& entry : entries_) {
+      entry.clear_since.reset();
+    }
+  }
+  return true;
+}
+
+void Emergencies::restore(const Alarm& before) {
+  error_register_ = received_ == 0 ? before.error_register : error_register_;
+  if (!before.active) {
+    return;
+  }
+  std::vector<AlarmError> errors = before.errors;
+  if (errors.empty()) {
+    errors.push_back({before.code, before.vendor, before.text, before.severity, before.since});
+  }
+  std::vector<Entry> restored;
+  for (AlarmError& error : errors) {
+    const auto drive_code = drive_code_of(model_.node.emcy, error);
+    restored.push_back({.error = std::move(error), .origin = Origin::restored, .drive_code = drive_code});
+  }
+  std::erase_if(restored, [&](const Entry& old) {
+    return std::any_of(entries_.begin(), entries_.end(),
+                       [&](const Entry& entry) { return entry.error.code == old.error.code; });
+  });
+  entries_.insert(entries_.begin(), std::make_move_iterator(restored.begin()), std::make_move_iterator(restored.end()));
+}
+
+std::vector<AlarmError> Emergencies::errors() const {
+  std::vector<AlarmError> errors;
+  errors.reserve(entries_.size());
+  for (const Entry& entry : entries_) {
+    errors.push_back(entry.error);
+  }
+  return errors;
+}
+
+bool Emergencies::undecided(Severity severity) const noexcept {
+  const bool waits = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.error.severity == severity && !entry.seen_set;
+  });
+  return waits || bit(severity).reset_at.has_value();
+}
+
+bool Emergencies::has(Severity severity) const noexcept {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& entry) { return entry.error.severity == severity; });
+}
+
+bool Emergencies::names(const Entry& entry, std::uint64_t fault_code) const noexcept {
+  return entry.drive_code == fault_code || entry.error.code == fault_code;
+}
+
+}  // namespace process

@@ -1,0 +1,49 @@
+#include "bridges/process/error_check.h"
+
+#include "canopen/remote_node.h"
+
+namespace process {
+namespace {
+
+using canopen::DataType;
+using canopen::ObjectAddress;
+using canopen::Raw;
+using canopen::Result;
+
+constexpr ObjectAddress kErrorRegister{0x1001, 0};
+constexpr ObjectAddress kNewestError{0x1003, 1};
+
+}  // namespace
+
+boost::asio::awaitable<ErrorCheck> check_errors(const config::Drive& model, canopen::RemoteNode& node) {
+  ErrorCheck check;
+  if (!model.faults.has_error_register) {
+    co_return check;
+  }
+  const Result<Raw> error_register = co_await node.read(kErrorRegister, DataType::u8);
+  if (error_register.has_error()) {
+    check.again = error_register.error().kind != canopen::ErrorKind::refused;
+    co_return check;
+  }
+  check.readings.error_register = static_cast<std::uint8_t>(error_register.value());
+  if (error_register.value() == 0) {
+    co_return check;
+  }
+  if (model.faults.fault_code) {
+    const config::Signal& signal = model.signals[*model.faults.fault_code];
+    const Result<Raw> code = co_await node.read(signal.object, signal.type);
+    if (code.has_value()) {
+      check.readings.fault_code = code.value();
+    }
+  }
+  if (model.faults.has_error_field && check.readings.fault_code.value_or(0) == 0) {
+    const Result<Raw> newest = co_await node.read(kNewestError, DataType::u32);
+    if (newest.has_value()) {
+      // The high half is additional information of the maker (CiA 301 §7.5.2.4).
+      check.readings.history = static_cast<std::uint16_t>(newest.value() & 0xFFFF);
+    }
+  }
+  co_return check;
+}
+
+}  // namespace process

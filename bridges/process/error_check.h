@@ -1,0 +1,23 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+
+#include "bridges/process/emergencies.h"
+#include "config/model.h"
+
+namespace canopen {
+class RemoteNode;
+}
+
+namespace process {
+
+struct ErrorCheck {
+  ErrorReadings readings;
+  bool again = false;  ///< 0x1001 exists as far as anybody knows, but did not answer.
+};
+
+/// Asks a drive for its errors: 0x1001, and where that is not 0 the fault code, and where that is 0 the newest entry of
+/// 0x1003. `model` and `node` outlive the call.
+[[nodiscard]] boost::asio::awaitable<ErrorCheck> check_errors(const config::Drive& model, canopen::RemoteNode& node);
+
+}  // namespace process

@@ -1,0 +1,71 @@
+#include "bridges/process/fault_naming.h"
+
+#include <string>
+
+#include "canopen/hex.h"
+
+namespace process {
+namespace {
+
+using canopen::EmcyLayout;
+using config::FaultText;
+using config::Severity;
+
+FaultText name_drive_code(const config::FaultRules& rules, std::uint64_t code) {
+  const auto known = rules.drive_texts.find(code);
+  if (known != rules.drive_texts.end()) {
+    return known->second;
+  }
+  return {"drive fault " + std::to_string(code), Severity::fault};
+}
+
+FaultText name_emcy_code(const config::FaultRules& rules, std::uint16_t code) {
+  if (const FaultText* known = config::find_emcy_text(rules, code)) {
+    return *known;
+  }
+  return {"emergency 0x" + canopen::hex(code, 4), Severity::fault};
+}
+
+}  // namespace
+
+FaultText name_emcy(const config::FaultRules& rules, const canopen::EmcySettings& settings, const canopen::Emcy& emcy) {
+  // A number of 0 names nothing; then the EMCY code has to do.
+  if (emcy.drive_code.value_or(0) == 0) {
+    return name_emcy_code(rules, emcy.code);
+  }
+  FaultText named = name_drive_code(rules, *emcy.drive_code);
+  const bool known = rules.drive_texts.contains(*emcy.drive_code);
+  if (!known && settings.layout == EmcyLayout::class_and_vendor40) {
+    if (const FaultText* code_class = config::find_emcy_text(rules, emcy.code)) {
+      named.text += " (" + code_class->text + ")";
+      named.severity = code_class->severity;
+    }
+  }
+  return named;
+}
+
+FaultText name_fault_code(const config::FaultRules& rules, const canopen::EmcySettings& settings, std::uint64_t code,
+                          Severity severity) {
+  if (code == 0) {
+    return {severity == Severity::fault ? "drive reports a fault" : "drive reports a warning", severity};
+  }
+  // The fault code of a CiA 402 drive (0x603F) is an EMCY code; all others number their faults themselves.
+  const bool is_emcy_code = settings.layout == EmcyLayout::cia301 && settings.drive_code_under == 0 &&
+                            !rules.drive_texts.contains(code) && code <= 0xFFFF;
+  FaultText named =
+      is_emcy_code ? name_emcy_code(rules, static_cast<std::uint16_t>(code)) : name_drive_code(rules, code);
+  named.severity = severity;
+  return named;
+}
+
+FaultText name_history_code(const config::FaultRules& rules, const canopen::EmcySettings& settings, std::uint16_t code,
+                            Severity severity) {
+  if (settings.layout == EmcyLayout::drive_code) {
+    return name_fault_code(rules, settings, code, severity);
+  }
+  FaultText named = name_emcy_code(rules, code);
+  named.severity = severity;
+  return named;
+}
+
+}  // namespace process

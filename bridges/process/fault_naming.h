@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+#include "canopen/emcy.h"
+#include "config/model.h"
+
+namespace process {
+
+/// Text and severity of an emergency: by the drive's own code where the layout carries one, else by the EMCY code or
+/// its CiA 301 class, else the bare number. Never one for a reset.
+[[nodiscard]] config::FaultText name_emcy(const config::FaultRules& rules, const canopen::EmcySettings& settings,
+                                          const canopen::Emcy& emcy);
+
+/// The same for the value of the profile's fault code signal; the severity is that of the status bit that told it.
+[[nodiscard]] config::FaultText name_fault_code(const config::FaultRules& rules, const canopen::EmcySettings& settings,
+                                                std::uint64_t code, config::Severity severity);
+
+/// The same for an entry of object 0x1003, whose low half is an EMCY code (CiA 301 §7.5.2.4).
+[[nodiscard]] config::FaultText name_history_code(const config::FaultRules& rules,
+                                                  const canopen::EmcySettings& settings, std::uint16_t code,
+                                                  config::Severity severity);
+
+}  // namespace process

@@ -1,0 +1,100 @@
+// Which objects Inputs wants read by SDO, and what their answers mean.
+
+#include <algorithm>
+
+#include "bridges/process/inputs.h"
+
+namespace process {
+namespace {
+
+using canopen::Duration;
+using canopen::TimePoint;
+
+/// Objects that the drive does not have are asked for now and then only: a parameter may make them appear.
+constexpr Duration kAbsentObject = std::chrono::seconds(60);
+
+constexpr TimePoint kNever = TimePoint::max();
+
+bool is_absence(const canopen::Error& error) {
+  // CiA 301 table 22: object, sub-index does not exist; no read access.
+  return error.kind == canopen::ErrorKind::refused && (error.abort == 0x06020000 || error.abort == 0x06090011 ||
+                                                       error.abort == 0x06010000 || error.abort == 0x06010001);
+}
+
+}  // namespace
+
+TimePoint Inputs::next_read_at() const noexcept {
+  TimePoint next = kNever;
+  for (const Feed& feed : feeds_) {
+    next = std::min(next, feed.round.due());
+  }
+  return next;
+}
+
+std::optional<ReadJob> Inputs::next_read(TimePoint now) {
+  const auto first = std::min_element(feeds_.begin(), feeds_.end(),
+                                      [](const Feed& a, const Feed& b) { return a.round.due() < b.round.due(); });
+  if (first == feeds_.end() || first->round.due() > now) {
+    return std::nullopt;
+  }
+  first->round.note_begin(now);
+  const SourcePlan::Object& object = first->round.object();
+  return ReadJob{static_cast<SourceId>(first - feeds_.begin()), object.address, object.type, first->round.id()};
+}
+
+void Inputs::on_read(const ReadJob& job, const canopen::Result<canopen::Raw>& answer, TimePoint at,
+                     canopen::WallTime wall) {
+  SdoRound& round = feeds_[job.source].round;
+  if (round.id() != job.round) {
+    return;
+  }
+  switch (round.store(answer)) {
+    case SdoRound::Progress::goes_on:
+      return;
+    case SdoRound::Progress::complete:
+      on_round_complete(job.source, at, wall);
+      break;
+    case SdoRound::Progress::failed:
+      on_round_failed(job.source, answer.error(), at);
+      break;
+  }
+  update_problem(job.source);
+}
+
+void Inputs::on_round_complete(SourceId source, TimePoint at, canopen::WallTime wall) {
+  SdoRound& round = feeds_[source].round;
+  const bool on_change = is_tpdo(source) && !is_cyclic(source);
+  if (reads_regularly(source)) {
+    round.schedule_next(at);
+  }
+  apply(source, round.values(), at, wall, on_change ? kNever : at + kFreshPeriods * plans_[source].poll);
+}
+
+void Inputs::on_round_failed(SourceId source, const canopen::Error& error, TimePoint at) {
+  const bool waits_for_first = is_tpdo(source) && !is_cyclic(source) && !feeds_[source].told_fresh;
+  if (reads_regularly(source) || waits_for_first) {
+    const Duration poll = plans_[source].poll;
+    const bool absent = !is_tpdo(source) && is_absence(error);
+    feeds_[source].round.schedule_retry(at, absent ? std::max(kAbsentObject, poll) : poll);
+  }
+}
+
+bool Inputs::reads_regularly(SourceId source) const noexcept {
+  if (!is_tpdo(source)) {
+    return online_;
+  }
+  return live() && (feeds_[source].tpdo.substituted() || feeds_[source].watched);
+}
+
+void Inputs::watch(SourceId source, bool watched, TimePoint now) {
+  if (!is_tpdo(source) || is_cyclic(source) || feeds_[source].watched == watched) {
+    return;
+  }
+  feeds_[source].watched = watched;
+  if (watched && live()) {
+    feeds_[source].round.schedule(now + plans_[source].poll);
+    listener_.on_read_wanted();
+  }
+}
+
+}  // namespace process

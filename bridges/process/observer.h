@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "bridges/process/alarm.h"
+#include "bridges/process/image.h"
+
+namespace process {
+
+class Drive;
+
+/// What a bridge is told, in the same synchronous call in which it happened. It never calls back into the drive from
+/// inside, but reads it as it likes. Nothing here waits.
+class Observer {
+ public:
+  /// These signals were received (whether their value changed or not), all of one source, in order of position.
+  virtual void on_values(const Drive& drive, std::span<const SignalId> signals) = 0;
+  /// These signals are not fresh any more, or freshness came back without a new value.
+  virtual void on_freshness(const Drive& drive, std::span<const SignalId> signals) = 0;
+  /// A command was confirmed: Image::commanded() of these changed.
+  virtual void on_commanded(const Drive& drive, std::span<const SignalId> signals) = 0;
+  /// Online, NMT state, boot result or counters changed.
+  virtual void on_status(const Drive& drive) = 0;
+  virtual void on_alarm(const Drive& drive, AlarmKind kind) = 0;
+  /// State or alarm of a bus changed (position in config::Model::buses).
+  virtual void on_bus(std::size_t bus) = 0;
+  /// Something about a drive that a person should know and nothing acts upon: for the log.
+  virtual void on_remark(const Drive& /*drive*/, const std::string& /*text*/) {}
+
+ protected:
+  ~Observer() = default;
+};
+
+}  // namespace process

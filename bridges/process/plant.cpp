@@ -1,0 +1,130 @@
+#include "bridges/process/plant.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "bridges/process/alarm_record.h"
+#include "bridges/process/observer.h"
+
+namespace process {
+namespace {
+
+std::string_view condition_text(canopen::BusCondition condition) {
+  switch (condition) {
+    case canopen::BusCondition::error_active:
+      return {};
+    case canopen::BusCondition::warning:
+      return "many errors on the bus (controller at its warning limit)";
+    case canopen::BusCondition::passive:
+      return "controller is error-passive: no other node acknowledges, or the wiring disturbs";
+    case canopen::BusCondition::bus_off:
+      return "bus-off: the controller has left the bus";
+    case canopen::BusCondition::down:
+      break;
+  }
+  return "the interface is down or gone";
+}
+
+}  // namespace
+
+class Plant::Body {
+ public:
+  struct Line {
+    BusPort port;
+    canopen::BusState state;
+    AlarmRecord alarm;
+  };
+
+  Body(const boost::asio::any_io_executor& executor, const config::Model& plant_model, std::vector<BusPort> buses)
+      : model(plant_model) {
+    for (std::size_t i = 0; i < buses.size(); ++i) {
+      lines.push_back({std::move(buses[i]), {}, AlarmRecord("bus-" + model.buses[i].name)});
+    }
+    for (std::size_t i = 0; i < model.drives.size(); ++i) {
+      const config::Drive& drive = model.drives[i];
+      drives.push_back(std::make_unique<Drive>(executor, drive, i, *lines[drive.bus].port.bus, observers));
+    }
+  }
+
+  const config::Model& model;
+  std::vector<Observer*> observers;
+  std::vector<Line> lines;
+  std::vector<std::unique_ptr<Drive>> drives;
+};
+
+Plant::Plant(boost::asio::any_io_executor executor, const config::Model& model, std::vector<BusPort> buses)
+    : body_(std::make_unique<Body>(executor, model, std::move(buses))) {}
+
+Plant::~Plant() = default;
+
+void Plant::add(Observer& observer) {
+  body_->observers.push_back(&observer);
+}
+
+void Plant::start() {
+  for (const auto& drive : body_->drives) {
+    drive->start();
+  }
+}
+
+boost::asio::awaitable<void> Plant::stop() {
+  for (const auto& drive : body_->drives) {
+    co_await drive->stop();
+  }
+}
+
+const config::Model& Plant::model() const noexcept {
+  return body_->model;
+}
+
+std::size_t Plant::size() const noexcept {
+  return body_->drives.size();
+}
+
+Drive& Plant::drive(std::size_t index) noexcept {
+  return *body_->drives[index];
+}
+
+const Drive& Plant::drive(std::size_t index) const noexcept {
+  return *body_->drives[index];
+}
+
+std::size_t Plant::online() const noexcept {
+  const auto& drives = body_->drives;
+  return static_cast<std::size_t>(
+      std::count_if(drives.begin(), drives.end(), [](const auto& drive) { return drive->status().online; }));
+}
+
+std::size_t Plant::with_alarm() const noexcept {
+  const auto& drives = body_->drives;
+  return static_cast<std::size_t>(std::count_if(drives.begin(), drives.end(), [](const auto& drive) {
+    return drive->has_fault_alarm() || drive->has_warning_alarm();
+  }));
+}
+
+void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
+  Body::Line& line = body_->lines[bus];
+  line.state = state;
+  const bool active = state.condition != canopen::BusCondition::error_active;
+  line.alarm.show(active, std::string(condition_text(state.condition)),
+                  state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
+  for (Observer* observer : body_->observers) {
+    observer->on_bus(bus);
+  }
+}
+
+const canopen::BusState& Plant::bus_state(std::size_t bus) const noexcept {
+  return body_->lines[bus].state;
+}
+
+canopen::BusStatistics Plant::bus_statistics(std::size_t bus) const {
+  const BusPort& port = body_->lines[bus].port;
+  return port.statistics ? port.statistics() : canopen::BusStatistics{};
+}
+
+const Alarm& Plant::bus_alarm(std::size_t bus) const noexcept {
+  return body_->lines[bus].alarm.alarm();
+}
+
+}  // namespace process

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bridges/process/drive.h"
+#include "canopen/bus_state.h"
+#include "config/model.h"
+
+namespace process {
+
+/// All drives and buses of the gateway.
+class Plant {
+ public:
+  struct BusPort {
+    canopen::Bus* bus = nullptr;  ///< Outlives the plant.
+    std::function<canopen::BusStatistics()> statistics;
+  };
+
+  /// `model` outlives the plant; `buses` stand in the order of model.buses.
+  Plant(boost::asio::any_io_executor executor, const config::Model& model, std::vector<BusPort> buses);
+  ~Plant();
+  Plant(const Plant&) = delete;
+  Plant& operator=(const Plant&) = delete;
+
+  /// Before start(); observers outlive the plant or its stop().
+  void add(Observer& observer);
+  void start();
+  boost::asio::awaitable<void> stop();
+
+  [[nodiscard]] const config::Model& model() const noexcept;
+  [[nodiscard]] std::size_t size() const noexcept;  ///< Drives.
+  [[nodiscard]] Drive& drive(std::size_t index) noexcept;
+  [[nodiscard]] const Drive& drive(std::size_t index) const noexcept;
+  [[nodiscard]] std::size_t online() const noexcept;
+  [[nodiscard]] std::size_t with_alarm() const noexcept;  ///< Drives with any active alarm.
+
+  /// The bus told so; drives hear it from the bus itself.
+  void set_bus_state(std::size_t bus, const canopen::BusState& state);
+  [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
+  [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;
+  [[nodiscard]] const Alarm& bus_alarm(std::size_t bus) const noexcept;
+
+ private:
+  class Body;
+  std::unique_ptr<Body> body_;
+};
+
+}  // namespace process

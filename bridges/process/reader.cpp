@@ -1,0 +1,95 @@
+#include "bridges/process/reader.h"
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <exception>
+#include <utility>
+
+#include "bridges/process/error_check.h"
+#include "canopen/remote_node.h"
+
+namespace process {
+namespace {
+
+/// Pause before a drive that did not answer is asked for its errors again.
+constexpr canopen::Duration kCheckAgain = std::chrono::seconds(5);
+
+}  // namespace
+
+Reader::Reader(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node,
+               Inputs& inputs, Alarms& alarms)
+    : executor_(std::move(executor)),
+      model_(model),
+      node_(node),
+      inputs_(inputs),
+      alarms_(alarms),
+      changed_(executor_) {}
+
+void Reader::start() {
+  running_ = true;
+  boost::asio::co_spawn(executor_, run(), [this](std::exception_ptr failure) {
+    running_ = false;
+    changed_.notify();
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
+  });
+}
+
+boost::asio::awaitable<void> Reader::stop() {
+  stopping_ = true;
+  changed_.notify();
+  while (running_) {
+    co_await changed_.wait_until(canopen::TimePoint::max());
+  }
+}
+
+void Reader::check_errors() {
+  check_at_ = canopen::Clock::now();
+  changed_.notify();
+}
+
+void Reader::forget_errors() {
+  check_at_ = canopen::TimePoint::max();
+}
+
+boost::asio::awaitable<void> Reader::run() {
+  while (!stopping_) {
+    const canopen::TimePoint now = canopen::Clock::now();
+    if (check_at_ <= now) {
+      co_await read_errors();
+    } else if (const std::optional<ReadJob> job = inputs_.next_read(now)) {
+      co_await read(*job);
+    } else {
+      co_await changed_.wait_until(std::min(check_at_, inputs_.next_read_at()));
+    }
+  }
+}
+
+boost::asio::awaitable<void> Reader::read_errors() {
+  check_at_ = canopen::TimePoint::max();
+  const std::uint32_t emergencies = alarms_.emergencies().received();
+  const ErrorCheck check = co_await process::check_errors(model_, node_);
+  if (stopping_ || !node_.status().online) {
+    co_return;
+  }
+  const canopen::TimePoint now = canopen::Clock::now();
+  if (alarms_.emergencies().received() != emergencies) {
+    // An emergency came meanwhile, which these answers may not know of.
+    check_at_ = std::min(check_at_, now);
+    co_return;
+  }
+  alarms_.on_readings(check.readings, now, canopen::wall_now());
+  if (check.again) {
+    check_at_ = std::min(check_at_, now + kCheckAgain);
+  }
+}
+
+boost::asio::awaitable<void> Reader::read(ReadJob job) {
+  const canopen::Result<canopen::Raw> answer = co_await node_.read(job.object, job.type);
+  if (!stopping_) {
+    inputs_.on_read(job, answer, canopen::Clock::now(), canopen::wall_now());
+  }
+}
+
+}  // namespace process

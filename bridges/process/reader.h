@@ -1,0 +1,53 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+
+#include "bridges/process/alarms.h"
+#include "bridges/process/inputs.h"
+#include "canopen/clock.h"
+#include "canopen/event.h"
+#include "config/model.h"
+
+namespace canopen {
+class RemoteNode;
+}
+
+namespace process {
+
+/// Reads by SDO what a drive does not send, one object at a time: its errors after its arrival, then what its inputs
+/// ask for.
+class Reader {
+ public:
+  /// All arguments outlive it.
+  Reader(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node, Inputs& inputs,
+         Alarms& alarms);
+
+  void start();
+  /// To be called when the node was stopped, so that nothing is under way for long.
+  boost::asio::awaitable<void> stop();
+
+  /// The inputs ask for something earlier than before.
+  void wake() { changed_.notify(); }
+  /// The drive's errors are to be looked at.
+  void check_errors();
+  /// The drive went away.
+  void forget_errors();
+
+ private:
+  boost::asio::awaitable<void> run();
+  boost::asio::awaitable<void> read_errors();
+  boost::asio::awaitable<void> read(ReadJob job);
+
+  boost::asio::any_io_executor executor_;
+  const config::Drive& model_;
+  canopen::RemoteNode& node_;
+  Inputs& inputs_;
+  Alarms& alarms_;
+  canopen::Event changed_;
+  canopen::TimePoint check_at_ = canopen::TimePoint::max();
+  bool running_ = false;
+  bool stopping_ = false;
+};
+
+}  // namespace process

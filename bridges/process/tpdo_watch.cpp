@@ -1,0 +1,83 @@
+#include "bridges/process/tpdo_watch.h"
+
+#include <algorithm>
+
+namespace process {
+namespace {
+
+/// Drives send their first TPDO when they find the time after the start; silence means something only after that.
+constexpr canopen::Duration kFirstFrame = std::chrono::milliseconds(500);
+/// So many TPDOs in time end the reading in their place.
+constexpr std::uint8_t kRegular = 3;
+
+}  // namespace
+
+TpdoWatch::TpdoWatch(const SourcePlan& plan) : number_(plan.source.number), period_(plan.period) {}
+
+void TpdoWatch::begin(canopen::TimePoint now) {
+  end();
+  active_ = true;
+  if (cyclic()) {
+    due_ = now + std::max(kFreshPeriods * period_, kFirstFrame);
+  }
+}
+
+void TpdoWatch::end() {
+  active_ = false;
+  overdue_ = false;
+  substituted_ = false;
+  in_time_ = 0;
+  due_ = canopen::TimePoint::max();
+  wrong_length_.reset();
+}
+
+void TpdoWatch::on_frame(canopen::TimePoint at) {
+  if (!active_) {
+    return;
+  }
+  const bool in_time = at - last_frame_ <= kFreshPeriods * period_;
+  last_frame_ = at;
+  overdue_ = false;
+  wrong_length_.reset();
+  if (cyclic()) {
+    due_ = at + kFreshPeriods * period_;
+    in_time_ = in_time ? static_cast<std::uint8_t>(std::min<int>(in_time_ + 1, kRegular)) : std::uint8_t{0};
+    substituted_ = substituted_ && in_time_ < kRegular;
+  }
+}
+
+void TpdoWatch::on_length(std::size_t expected, std::size_t received) {
+  if (active_) {
+    wrong_length_ = Lengths{expected, received};
+  }
+}
+
+void TpdoWatch::expire(canopen::TimePoint now, bool verified) {
+  if (now <= due()) {
+    return;
+  }
+  overdue_ = true;
+  in_time_ = 0;
+  substituted_ = substituted_ || !verified;
+}
+
+std::string TpdoWatch::problem(const std::optional<canopen::Error>& read_failure) const {
+  if (!active_) {
+    return {};
+  }
+  const std::string name = "TPDO" + std::to_string(number_);
+  if (wrong_length_) {
+    return name + " has " + std::to_string(wrong_length_->received) + " bytes, expected " +
+           std::to_string(wrong_length_->expected) + ", and is not decoded";
+  }
+  if (overdue_ && !substituted_) {
+    return name + " is overdue";
+  }
+  if (read_failure && (overdue_ || !cyclic())) {
+    return name + (overdue_ ? " is overdue" : " has not come") +
+           " and reading its objects failed: " + canopen::to_string(*read_failure);
+  }
+  return {};
+}
+
+}  // namespace process

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bridges/process/image.h"
+#include "canopen/object.h"
+#include "config/model.h"
+
+namespace canopen {
+class RemoteNode;
+}
+
+namespace process {
+
+/// A checked value on its way to the drive.
+struct Field {
+  SignalId signal = 0;
+  canopen::Raw raw = 0;
+};
+
+/// What goes out next: several fields in one RPDO, or one by SDO.
+struct WriteStep {
+  std::uint16_t rpdo = 0;  ///< 0: by SDO.
+  std::vector<Field> fields;
+};
+
+/// Each signal once, the last value given; set-points in their order, `control_command` last.
+[[nodiscard]] std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Field> fields);
+
+/// The next step of writing `remaining` (not empty, in writing order): an RPDO where these fields complete it, else the
+/// first by SDO; what holds the control command comes last. `allow_rpdo` false: by SDO in any case.
+[[nodiscard]] WriteStep next_step(const config::Drive& model, const canopen::RemoteNode& node,
+                                  std::span<const Field> remaining, bool allow_rpdo);
+
+[[nodiscard]] canopen::ObjectValue object_value(const config::Drive& model, const Field& field);
+
+/// What completes an RPDO, for people: `write control_command, frequency_command and torque_command together`.
+[[nodiscard]] std::string completion_text(const config::Drive& model, std::uint16_t rpdo);
+
+}  // namespace process

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "canopen/bus_state.h"
+#include "canopen/error.h"
+#include "canopen/link.h"
+#include "canopen/subscription.h"
+
+namespace canopen {
+
+struct BusSettings {
+  std::optional<std::uint32_t> bitrate{};               ///< bit/s, for the load; nothing: no load shown.
+  std::uint8_t node_id = 127;                           ///< Our own; 0: none, no heartbeat.
+  Duration heartbeat = std::chrono::milliseconds(500);  ///< Zero: none.
+  Duration sync{};                                      ///< Zero: no SYNC.
+  friend bool operator==(const BusSettings&, const BusSettings&) = default;
+};
+
+/// One CAN bus: owns the link and the transmit queue, dispatches received frames by COB-ID (2 048 slots), produces our
+/// heartbeat and SYNC. Every frame of the gateway passes its transmit queue.
+class Bus {
+ public:
+  using FrameHandler = std::function<void(const Received&)>;
+  using StateHandler = std::function<void(const BusState&)>;
+  using LossHandler = std::function<void(std::uint32_t)>;
+
+  Bus(boost::asio::any_io_executor executor, std::unique_ptr<Link> link, BusSettings settings);
+  ~Bus();
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  void start();
+  /// Ends heartbeat, SYNC and transmission; what waits is dropped and answered `offline`.
+  boost::asio::awaitable<void> stop();
+
+  /// Handlers may subscribe and unsubscribe while one runs; one that was added then is first called for the next event.
+  /// The bus outlives its subscriptions.
+  [[nodiscard]] Subscription subscribe(std::uint32_t cob_id, FrameHandler handler);
+  [[nodiscard]] Subscription subscribe_state(StateHandler handler);
+  [[nodiscard]] Subscription subscribe_losses(LossHandler handler);
+
+  /// Queues a frame that is no command (SDO reads and boot writes, guarding requests). Dropped when it could not leave
+  /// within a second, or while the bus is down: then false.
+  bool send(const Frame& frame);
+  /// The same for a frame of which only the newest matters (a repeated RPDO): it replaces one of its COB-ID that still
+  /// waits. Refused (false) while a command of its COB-ID waits or is leaving, which is always newer.
+  bool send_latest(const Frame& frame);
+  /// Queues a command and waits for its departure (echo). Withdrawn when not handed over by `deadline`: `timeout`.
+  /// Handed over without an echo by `deadline` or in 100 ms: `timeout` with outcome_unknown, and the bus takes no
+  /// command until an echo returns. `offline` while the bus is down or takes none.
+  boost::asio::awaitable<Result<void>> send_command(Frame frame, TimePoint deadline);
+  /// Withdraws what has not been handed over yet of a COB-ID: commands (their answer is `timeout`) and a frame of
+  /// send_latest().
+  void withdraw(std::uint32_t cob_id);
+
+  [[nodiscard]] const BusState& state() const noexcept;
+  [[nodiscard]] const BusStatistics& statistics() const noexcept;
+  [[nodiscard]] const BusSettings& settings() const noexcept;
+
+ private:
+  class Core;
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace canopen

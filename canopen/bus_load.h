@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "canopen/clock.h"
+#include "canopen/frame.h"
+
+namespace canopen {
+
+/// Bits that a frame occupies on the wire, the pause of three bits behind it included: 47 + 8 per data byte (67 with a
+/// 29-bit identifier), and a tenth of the stuffable ones. Stuffing depends on the content: 1/30 for random data, 1/4 at
+/// worst, about 1/10 for process data with their many zero bytes. So the load shown is an estimate, good to a few
+/// percent of itself.
+[[nodiscard]] std::uint32_t bits_on_wire(const Frame& frame) noexcept;
+
+/// Bits seen in the last second, in tenths of a second.
+class BusLoad {
+ public:
+  void add(const Frame& frame, TimePoint at) noexcept;
+  /// Of the ten whole tenths before the current one; at most 1000.
+  [[nodiscard]] std::uint16_t per_mille(std::uint32_t bitrate, TimePoint now) noexcept;
+
+ private:
+  void move_to(TimePoint now) noexcept;
+
+  static constexpr std::int64_t kSlices = 10;
+  std::array<std::uint32_t, kSlices + 1> slices_{};  ///< One more: the current, unfinished one.
+  std::int64_t current_ = 0;                         ///< Its number since the clock's zero.
+};
+
+}  // namespace canopen

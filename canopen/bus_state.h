@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+namespace canopen {
+
+/// The CAN controller's fault confinement state (ISO 11898-1), plus an interface that is down or gone.
+/// The numbers are those of Modbus register 100 + 20·k of the gateway unit.
+enum class BusCondition : std::uint8_t { error_active = 0, warning = 1, passive = 2, bus_off = 3, down = 4 };
+
+struct BusState {
+  BusCondition condition = BusCondition::down;
+  std::uint16_t transmit_errors = 0;  ///< Controller's transmit error counter, where the driver tells it.
+  std::uint16_t receive_errors = 0;   ///< Controller's receive error counter, likewise.
+
+  /// Frames can be exchanged.
+  [[nodiscard]] bool up() const noexcept {
+    return condition != BusCondition::bus_off && condition != BusCondition::down;
+  }
+  friend bool operator==(const BusState&, const BusState&) = default;
+};
+
+/// What one bus counted since the start.
+struct BusStatistics {
+  std::uint32_t frames_received = 0;  ///< Counters wrap.
+  std::uint32_t frames_sent = 0;      ///< Departed (echo seen).
+  std::uint16_t frames_lost = 0;
+  std::uint16_t bus_offs = 0;
+  std::uint16_t load_per_mille = 0;  ///< Of the last second; 0 without a bit rate.
+};
+
+}  // namespace canopen

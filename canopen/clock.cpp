@@ -1,0 +1,59 @@
+#include "canopen/clock.h"
+
+namespace canopen {
+namespace {
+
+struct StoppedTime {
+  bool active = false;
+  TimePoint monotonic;
+  WallTime wall;
+};
+
+// Only tests write this, before they start anything; the daemon only ever reads `active == false`.
+StoppedTime stopped;
+
+}  // namespace
+
+Clock::time_point Clock::now() noexcept {
+  if (stopped.active) {
+    return stopped.monotonic;
+  }
+  return time_point(std::chrono::steady_clock::now().time_since_epoch());
+}
+
+WallTime wall_now() noexcept {
+  if (stopped.active) {
+    return stopped.wall;
+  }
+  return std::chrono::time_point_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now());
+}
+
+ManualTime::ManualTime() noexcept {
+  using namespace std::chrono;
+  stopped.monotonic = TimePoint(hours(1));
+  stopped.wall = sys_days(year(2026) / January / 2) + hours(3) + minutes(4) + seconds(5);
+  stopped.active = true;
+}
+
+ManualTime::~ManualTime() {
+  stopped.active = false;
+}
+
+void ManualTime::advance(Duration by) noexcept {
+  stopped.monotonic += by;
+  stopped.wall += by;
+}
+
+bool ManualTime::active() noexcept {
+  return stopped.active;
+}
+
+Duration WaitTraits::to_wait_duration(const Duration& duration) noexcept {
+  return stopped.active ? Duration::zero() : duration;
+}
+
+Duration WaitTraits::to_wait_duration(const TimePoint& expiry) noexcept {
+  return to_wait_duration(expiry - Clock::now());
+}
+
+}  // namespace canopen

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "canopen/clock.h"
+#include "canopen/nmt.h"
+#include "canopen/wake_up.h"
+
+namespace canopen {
+
+/// A message on 0x700 + node id: boot-up, heartbeat or guarding answer (CiA 301 §7.2.8.3).
+struct HeartbeatMessage {
+  bool boot_up = false;                ///< The byte 0x00, which is no state.
+  NmtState state = NmtState::unknown;  ///< `unknown` too for numbers that CiA 301 does not define.
+
+  friend bool operator==(const HeartbeatMessage&, const HeartbeatMessage&) = default;
+};
+
+/// Guarding answers toggle bit 7, heartbeats keep it 0; the state is in the other seven. Nothing for an empty frame.
+[[nodiscard]] std::optional<HeartbeatMessage> decode_heartbeat(std::span<const std::uint8_t> bytes) noexcept;
+
+/// Watches over a node's heartbeat: tells once when it was silent for too long. A message costs no timer.
+class HeartbeatConsumer {
+ public:
+  /// `timeout` zero: never silent. `on_silence` may call watch().
+  HeartbeatConsumer(const boost::asio::any_io_executor& executor, Duration timeout, std::function<void()> on_silence);
+
+  /// Silence counts from `from` on, whatever was before.
+  void watch(TimePoint from);
+  /// Ends the watch until the next watch().
+  void suspend();
+  /// A message came.
+  void alive(TimePoint at) noexcept;
+  [[nodiscard]] bool watching() const noexcept { return watching_; }
+
+ private:
+  void look();
+
+  Duration timeout_;
+  std::function<void()> on_silence_;
+  TimePoint last_{};
+  bool watching_ = false;
+  WakeUp wake_up_;
+};
+
+}  // namespace canopen

@@ -1,0 +1,165 @@
+// How a node comes online: taken over as it runs, or booted and started.
+
+#include <string>
+#include <utility>
+
+#include "canopen/bus.h"
+#include "canopen/nmt_frame.h"
+#include "canopen/node_supervisor.h"
+
+namespace canopen {
+namespace {
+
+// NMT start and pre-operational of a boot that have not left by then are given up; the boot is tried again.
+constexpr Duration kNmtTime = std::chrono::seconds(1);
+
+}  // namespace
+
+boost::asio::awaitable<void> RemoteNode::Supervisor::take_over() {
+  phase_ = Phase::inspecting;
+  if (!watch_.watching()) {
+    watch_.watch(Clock::now());
+  }
+  BootReport report = co_await inspect_running(sdo_, settings_);
+  gave_up_ = report.interrupted;
+  if (phase_ != Phase::inspecting || report.interrupted) {
+    co_return;
+  }
+  if (report.ok() && status_.lost && expects_heartbeat(settings_) && !signs_.heartbeat_at) {
+    // It was given up for its missing heartbeat: TPDOs alone do not bring it back.
+    const bool alive = co_await heartbeat_after(Clock::now());
+    if (phase_ != Phase::inspecting) {
+      co_return;
+    }
+    if (!alive) {
+      report.letter = 'E';
+      report.text = "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
+    }
+  }
+  if (!report.ok()) {
+    if (report.letter == 'L' && settings_.reconfigure_running) {
+      co_await bring_up(FoundState::operational);
+    } else {
+      co_await fail(std::move(report));
+    }
+    co_return;
+  }
+  if (signs_.state != NmtState::operational) {
+    co_return;
+  }
+  settings_done(report);
+  arrive(Arrival::taken_over);
+  co_await serve();
+}
+
+boost::asio::awaitable<void> RemoteNode::Supervisor::bring_up(FoundState found) {
+  const bool answers_sdo = found != FoundState::stopped;
+  if (!answers_sdo && !may_start()) {
+    co_await pause(kRetryInterval, &Supervisor::boot_wanted);
+    co_return;
+  }
+  phase_ = Phase::booting;
+  signs_.boot_up = false;
+  watch_.suspend();  // Its heartbeat may only be switched on in the course of the boot.
+  if (!answers_sdo || found == FoundState::operational) {
+    // A stopped node answers no SDO; an operational one refuses most settings, and is here only by reconfigure_running.
+    const Frame frame = nmt_frame(NmtCommand::pre_operational, settings_.node);
+    const Result<void> left = co_await bus_.send_command(frame, Clock::now() + kNmtTime);
+    gave_up_ = left.has_error();
+    if (phase_ != Phase::booting || gave_up_) {
+      co_return;
+    }
+  }
+  BootReport report = co_await boot(sdo_, settings_, *this);
+  gave_up_ = report.interrupted;
+  const bool turned = phase_ != Phase::booting && phase_ != Phase::online;
+  if (turned || report.interrupted) {
+    co_return;
+  }
+  if (!report.ok()) {
+    co_await fail(std::move(report));
+    co_return;
+  }
+  if (phase_ == Phase::booting) {
+    arrive(Arrival::booted);  // Configured, and held back from starting.
+  }
+  co_await serve();
+}
+
+boost::asio::awaitable<bool> RemoteNode::Supervisor::heartbeat_after(TimePoint since) {
+  const TimePoint until = Clock::now() + settings_.error_control.heartbeat_timeout;
+  const std::uint64_t interruptions = sdo_.interruptions();
+  while (Clock::now() < until && sdo_.interruptions() == interruptions) {
+    if (signs_.heartbeat_at && *signs_.heartbeat_at >= since) {
+      co_return true;
+    }
+    co_await changed_.wait_until(until);
+  }
+  co_return false;
+}
+
+void RemoteNode::Supervisor::settings_done(const BootReport& report) {
+  verified_tpdos_ = report.verified_tpdos;
+  for (const std::string& remark : report.remarks) {
+    events_.on_remark(remark);
+  }
+  change_status([](NodeStatus& status) { status.configured = true; });
+}
+
+boost::asio::awaitable<std::optional<BootFailure>> RemoteNode::Supervisor::start_node() {
+  phase_ = Phase::starting;
+  start_grace_end_ = Clock::now() + kNmtTime + settings_.error_control.heartbeat_timeout;
+  const BootFailure interrupted{'J', {}, true};
+  const Frame frame = nmt_frame(NmtCommand::start, settings_.node);
+  const Result<void> left = co_await bus_.send_command(frame, Clock::now() + kNmtTime);
+  if (left.has_value()) {
+    ++starts_;
+    start_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
+    changed_.notify();
+  }
+  if (phase_ == Phase::starting && left.has_value() && !expects_heartbeat(settings_)) {
+    signs_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
+    arrive(Arrival::booted);
+  }
+  while (phase_ == Phase::starting && left.has_value() && Clock::now() < start_grace_end_) {
+    co_await changed_.wait_until(start_grace_end_);
+  }
+  if (phase_ == Phase::online) {
+    co_return std::nullopt;
+  }
+  if (phase_ != Phase::starting || left.has_error()) {
+    phase_ = Phase::idle;
+    co_return interrupted;
+  }
+  phase_ = Phase::booting;
+  co_return BootFailure{'J', "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt)), false};
+}
+
+void RemoteNode::Supervisor::arrive(Arrival arrival) {
+  phase_ = Phase::online;
+  if (arrival == Arrival::taken_over) {
+    hold_ = Hold::none;
+  }
+  watch_.watch(Clock::now());
+  change_status([this](NodeStatus& status) {
+    status.online = true;
+    status.configured = true;
+    status.lost = false;
+    status.nmt = signs_.state.value_or(status.nmt);
+    status.boot_result = kBootOk;
+    status.boot_text.clear();
+    if (hold_ == Hold::by_itself) {
+      note_left_by_itself(status);
+    }
+  });
+  events_.on_arrival(arrival);
+  changed_.notify();
+}
+
+void RemoteNode::Supervisor::note_left_by_itself(NodeStatus& status) {
+  status.boot_result = 'J';
+  status.boot_text = "the drive left operational by itself and is " + std::string(name_of(status.nmt)) +
+                     "; it is not started again before an NMT start command or its boot-up";
+}
+
+}  // namespace canopen

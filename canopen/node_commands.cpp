@@ -1,0 +1,147 @@
+// What a supervisor is asked for: SDO reads and writes, NMT commands, RPDOs.
+
+#include <utility>
+
+#include "canopen/bus.h"
+#include "canopen/nmt_frame.h"
+#include "canopen/node_supervisor.h"
+
+namespace canopen {
+
+boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress object, DataType type) {
+  if (stopping_ || !bus_.state().up()) {
+    co_return offline_error(object, "the bus is down");
+  }
+  if (status_.nmt == NmtState::stopped) {
+    co_return offline_error(object, "the drive is stopped and answers no SDO");
+  }
+  if (phase_ != Phase::online && !sdo_.answered()) {
+    co_return offline_error(object, "the drive does not answer");
+  }
+  co_return co_await sdo_.read(object, type);
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::write(ObjectAddress object, DataType type, Raw raw,
+                                                                   TimePoint deadline) {
+  if (phase_ != Phase::online || status_.nmt != NmtState::operational) {
+    co_return offline_error(object, "the drive is not online and operational");
+  }
+  co_return co_await sdo_.write_command(object, type, raw, deadline);
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_rpdo(std::uint16_t number,
+                                                                       std::vector<ObjectValue> fields,
+                                                                       TimePoint deadline) {
+  if (phase_ != Phase::online || status_.nmt != NmtState::operational) {
+    co_return offline_error({}, "the drive is not online and operational");
+  }
+  co_return co_await rpdos_.send(number, std::move(fields), deadline);
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::command(NmtCommand command, TimePoint deadline) {
+  const Operation operation(*this);
+  if (stopping_ || !bus_.state().up()) {
+    co_return offline_error({}, "the bus is down");
+  }
+  if (command == NmtCommand::start && start_needs_boot()) {
+    co_return co_await start_by_boot(deadline);
+  }
+  co_return co_await send_nmt(command, deadline);
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_nmt(NmtCommand command, TimePoint deadline) {
+  const Hold before = hold_;
+  const bool stops = command == NmtCommand::stop || command == NmtCommand::pre_operational;
+  if (stops && hold_ == Hold::none) {
+    // Before it leaves: a boot under way must not start the node after it, nor its heartbeat look like a surprise.
+    hold_ = Hold::by_command;
+  }
+  Result<void> left = co_await bus_.send_command(nmt_frame(command, settings_.node), deadline);
+  if (stopping_) {
+    co_return left;
+  }
+  if (left.has_error() && !left.error().outcome_unknown) {
+    if (stops && hold_ == Hold::by_command) {
+      hold_ = before;
+    }
+    Error not_sent = left.error();
+    not_sent.node = settings_.node;
+    co_return not_sent;
+  }
+  on_nmt_left(command);
+  co_return left;
+}
+
+void RemoteNode::Supervisor::on_nmt_left(NmtCommand command) {
+  switch (command) {
+    case NmtCommand::start:
+      hold_ = Hold::none;
+      start_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
+      break;
+    case NmtCommand::stop:
+    case NmtCommand::pre_operational:
+      rpdos_.cease();
+      break;
+    case NmtCommand::reset_node:
+    case NmtCommand::reset_communication:
+      // What follows is a boot-up, even where the drive sends no message of it.
+      hold_ = Hold::none;
+      signs_ = NodeSigns{};
+      watch_.suspend();
+      leave_service();
+      change_status([](NodeStatus& status) {
+        status.online = false;
+        status.configured = false;
+        status.nmt = NmtState::unknown;
+        status.boot_result = kNotBooted;
+        status.boot_text.clear();
+      });
+      break;
+  }
+}
+
+bool RemoteNode::Supervisor::start_needs_boot() const {
+  if (phase_ == Phase::online) {
+    return hold_ == Hold::by_itself;  // It may have rebooted unseen.
+  }
+  return phase_ != Phase::starting && signs_.state != NmtState::operational;
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::start_by_boot(TimePoint deadline) {
+  if (status_.lost) {
+    co_return offline_error({}, "the drive is silent; it is booted and started when it appears");
+  }
+  hold_ = Hold::none;
+  start_requested_ = true;
+  if (phase_ == Phase::online) {
+    leave_service();
+    change_status([](NodeStatus& status) {
+      status.online = false;
+      status.configured = false;
+      status.boot_result = kNotBooted;
+      status.boot_text.clear();
+    });
+  }
+  changed_.notify();
+  const std::uint32_t before = starts_;
+  while (starts_ == before && Clock::now() < deadline && !stopping_) {
+    co_await changed_.wait_until(deadline);
+  }
+  if (starts_ != before) {
+    co_return Result<void>();
+  }
+  Error error = offline_error({}, "the drive is still being booted, which ends with NMT start");
+  error.kind = stopping_ ? ErrorKind::offline : ErrorKind::timeout;
+  co_return error;
+}
+
+Error RemoteNode::Supervisor::offline_error(ObjectAddress object, std::string detail) const {
+  Error error;
+  error.kind = ErrorKind::offline;
+  error.node = settings_.node;
+  error.object = object;
+  error.detail = std::move(detail);
+  return error;
+}
+
+}  // namespace canopen

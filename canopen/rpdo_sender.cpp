@@ -1,0 +1,190 @@
+#include "canopen/rpdo_sender.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "canopen/bus.h"
+
+namespace canopen {
+namespace {
+
+// Two repetitions may be lost before the node's event timer runs out.
+constexpr int kRepeatsPerEventTimer = 3;
+constexpr Duration kFastestRepeat = std::chrono::milliseconds(5);
+
+Duration repeat_time(const PdoSettings& settings) noexcept {
+  const std::uint16_t event_timer = settings.event_timer.value_or(0);
+  if (event_timer == 0) {
+    return Duration::zero();
+  }
+  return std::max<Duration>(std::chrono::milliseconds(event_timer) / kRepeatsPerEventTimer, kFastestRepeat);
+}
+
+}  // namespace
+
+/// A place in the line of those who want to send.
+class RpdoSender::Turn {
+ public:
+  explicit Turn(RpdoSender& sender) : sender_(sender) { sender_.users_.push_back(this); }
+  ~Turn() {
+    std::erase(sender_.users_, this);
+    sender_.turn_event_.notify();
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+  [[nodiscard]] bool mine() const noexcept { return sender_.users_.front() == this; }
+
+ private:
+  RpdoSender& sender_;
+};
+
+RpdoSender::RpdoSender(const boost::asio::any_io_executor& executor, Bus& bus, std::uint8_t node,
+                       std::span<const PdoSettings> rpdos)
+    : executor_(executor), bus_(bus), node_(node), turn_event_(executor) {
+  entries_.reserve(rpdos.size());  // The repetitions keep references.
+  for (const PdoSettings& settings : rpdos) {
+    Entry& entry = entries_.emplace_back(Entry{Rpdo(settings), Rpdo(settings), repeat_time(settings), nullptr});
+    entry.repetition = std::make_unique<WakeUp>(executor_, [this, &entry] { repeat(entry); });
+  }
+}
+
+std::uint16_t RpdoSender::rpdo_of(ObjectAddress object) const noexcept {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.rpdo.maps(object); });
+  return found == entries_.end() ? std::uint16_t{0} : found->rpdo.number();
+}
+
+bool RpdoSender::complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept {
+  const Entry* entry = find(number);
+  return entry != nullptr && entry->rpdo.complete(fields);
+}
+
+boost::asio::awaitable<Result<void>> RpdoSender::send(std::uint16_t number, std::vector<ObjectValue> fields,
+                                                      TimePoint deadline) {
+  Entry* entry = find(number);
+  if (entry == nullptr) {
+    co_return error(ErrorKind::unknown, "no RPDO" + std::to_string(number));
+  }
+  const std::uint32_t ceased = ceased_;
+  const Turn turn(*this);
+  while (!turn.mine() && ceased == ceased_ && Clock::now() < deadline) {
+    co_await turn_event_.wait_until(deadline);
+  }
+  if (ceased != ceased_) {
+    co_return error(ErrorKind::offline, "the drive was lost, rebooted, or left operational");
+  }
+  if (!turn.mine()) {
+    co_return error(ErrorKind::timeout, "not begun: other RPDOs were on their way");
+  }
+  co_return co_await transmit(*entry, std::move(fields), deadline);
+}
+
+boost::asio::awaitable<Result<void>> RpdoSender::transmit(Entry& entry, std::vector<ObjectValue> fields,
+                                                          TimePoint deadline) {
+  const std::optional<Rpdo::Draft> draft = entry.rpdo.build(fields);
+  if (!draft) {
+    co_return error(ErrorKind::incomplete,
+                    "RPDO" + std::to_string(entry.rpdo.number()) + " has fields that nobody commanded");
+  }
+  const std::uint32_t ceased = ceased_;
+  const std::uint32_t voided = voided_;
+  under_way_ = &entry;
+  relies_on_known_ = !entry.blank.complete(fields);
+  Result<void> left = co_await bus_.send_command(draft->frame, deadline);
+  under_way_ = nullptr;
+  if (left.has_value()) {
+    entry.rpdo.confirm(*draft, fields);
+    if (entry.repeat > Duration::zero() && entry.rpdo.last_confirmed()) {
+      entry.repetition->arm(Clock::now() + entry.repeat);
+    }
+    co_return left;
+  }
+  Error failure = left.error();
+  failure.node = node_;
+  if (failure.outcome_unknown) {
+    entry.rpdo.outcome_unknown(fields);
+  } else if (ceased != ceased_) {
+    failure = error(ErrorKind::offline, "withdrawn: the drive was lost, rebooted, or left operational");
+  } else if (voided != voided_) {
+    failure = error(ErrorKind::incomplete, "withdrawn: the motor came to a stop, which makes earlier commands void");
+  }
+  co_return failure;
+}
+
+void RpdoSender::note(const ObjectValue& value) noexcept {
+  for (Entry& entry : entries_) {
+    entry.rpdo.note(value);
+  }
+}
+
+void RpdoSender::forget(ObjectAddress object) noexcept {
+  for (Entry& entry : entries_) {
+    entry.rpdo.forget(object);
+  }
+}
+
+void RpdoSender::cease() {
+  ++ceased_;
+  for (Entry& entry : entries_) {
+    entry.rpdo.make_void();
+    entry.repetition->cancel();
+    bus_.withdraw(entry.rpdo.cob_id());
+  }
+  turn_event_.notify();
+}
+
+void RpdoSender::make_void(bool keep_repeating) {
+  ++voided_;
+  for (Entry& entry : entries_) {
+    if (keep_repeating) {
+      entry.rpdo.make_void_but_repeat();
+    } else {
+      entry.rpdo.make_void();
+      entry.repetition->cancel();
+    }
+    const bool under_way = under_way_ == &entry;
+    if (under_way ? relies_on_known_ : !keep_repeating) {
+      bus_.withdraw(entry.rpdo.cob_id());
+    }
+  }
+}
+
+boost::asio::awaitable<void> RpdoSender::until_idle() {
+  while (!users_.empty()) {
+    co_await turn_event_.wait_until(TimePoint::max());
+  }
+}
+
+void RpdoSender::repeat(Entry& entry) {
+  const std::optional<Frame> frame = entry.rpdo.last_confirmed();
+  if (!frame) {
+    return;
+  }
+  // Refused while a command of this RPDO waits, which is newer.
+  bus_.send_latest(*frame);
+  entry.repetition->arm(Clock::now() + entry.repeat);
+}
+
+RpdoSender::Entry* RpdoSender::find(std::uint16_t number) noexcept {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.rpdo.number() == number; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+const RpdoSender::Entry* RpdoSender::find(std::uint16_t number) const noexcept {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.rpdo.number() == number; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+Error RpdoSender::error(ErrorKind kind, std::string detail) const {
+  Error error;
+  error.kind = kind;
+  error.node = node_;
+  error.detail = std::move(detail);
+  return error;
+}
+
+}  // namespace canopen

@@ -1,0 +1,300 @@
+#include "canopen/sdo/client.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "canopen/bus.h"
+
+namespace canopen {
+namespace {
+
+constexpr std::uint32_t kRequestBase = 0x600;  // CiA 301 table 75, default SDO.
+constexpr std::uint32_t kAnswerBase = 0x580;
+constexpr std::uint32_t kAbortTimedOut = 0x05040000;
+
+}  // namespace
+
+/// A place in the line of those who want the channel.
+class SdoClient::Turn {
+ public:
+  explicit Turn(SdoClient& client) : client_(client), interruptions_(client.interruptions_) {
+    client_.turns_.push_back(this);
+    ++client_.users_;
+  }
+  ~Turn() {
+    std::erase(client_.turns_, this);
+    --client_.users_;
+    client_.turn_event_.notify();
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+  boost::asio::awaitable<Result<void>> wait_until(ObjectAddress object, TimePoint deadline) {
+    while (client_.turns_.front() != this && !interrupted() && Clock::now() < deadline) {
+      co_await client_.turn_event_.wait_until(deadline);
+    }
+    if (interrupted()) {
+      co_return client_.error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
+    }
+    if (client_.turns_.front() != this) {
+      co_return client_.error(ErrorKind::timeout, object, "not begun: other SDO transfers held the channel");
+    }
+    co_return Result<void>();
+  }
+  [[nodiscard]] bool interrupted() const noexcept { return interruptions_ != client_.interruptions_; }
+
+ private:
+  SdoClient& client_;
+  std::uint64_t interruptions_;
+};
+
+/// The transfer that has the channel, where the frame handler finds it.
+struct SdoClient::Exchange {
+  Exchange(SdoClient& owner, SdoTransfer what, TimePoint until, TimePoint last_moment)
+      : client(owner), transfer(std::move(what)), due(until), deadline(last_moment), ended(owner.executor_) {
+    client.exchange_ = this;
+  }
+  ~Exchange() { client.exchange_ = nullptr; }
+  Exchange(const Exchange&) = delete;
+  Exchange& operator=(const Exchange&) = delete;
+
+  SdoClient& client;
+  SdoTransfer transfer;
+  TimePoint due;       ///< The next answer must be here by then.
+  TimePoint deadline;  ///< `due` never passes it.
+  Event ended;
+  bool late_possible = false;
+  bool over = false;
+  std::optional<Error> error;
+};
+
+SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8_t node, SdoSettings settings)
+    : executor_(std::move(executor)),
+      bus_(bus),
+      node_(node),
+      settings_(settings),
+      turn_event_(executor_),
+      subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
+
+// Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
+
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::upload(ObjectAddress object, std::size_t expected) {
+  SdoTransfer transfer = SdoTransfer::upload(settings_, object, expected);
+  co_return co_await run(std::move(transfer), 1 + settings_.retries);
+}
+
+boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries) {
+  SdoTransfer transfer = SdoTransfer::upload(settings_, object, byte_length(type));
+  const Result<Bytes> bytes = co_await run(std::move(transfer), tries);
+  if (bytes.has_error()) {
+    co_return bytes.error();
+  }
+  if (const std::optional<Raw> raw = decode_raw(type, bytes.value())) {
+    co_return *raw;
+  }
+  co_return error(ErrorKind::protocol, object,
+                  "answer has " + std::to_string(bytes.value().size()) + " bytes, type " + std::string(name_of(type)) +
+                      " needs " + std::to_string(byte_length(type)));
+}
+
+boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
+  SdoTransfer transfer = download(object, type, raw);
+  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries);
+  if (done.has_error()) {
+    co_return done.error();
+  }
+  co_return Result<void>();
+}
+
+boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
+                                                              TimePoint deadline) {
+  SdoTransfer transfer = download(object, type, raw);
+  co_return co_await run_command(std::move(transfer), deadline);
+}
+
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries) {
+  Turn turn(*this);
+  const Result<void> granted = co_await turn.wait_until(transfer.object(), TimePoint::max());
+  if (granted.has_error()) {
+    co_return granted.error();
+  }
+  const Result<void> settled = co_await settle_late(transfer.object(), TimePoint::max());
+  if (settled.has_error()) {
+    co_return settled.error();
+  }
+  for (;; --tries) {
+    SdoTransfer fresh = transfer;
+    Result<Bytes> result = co_await try_once(std::move(fresh), TimePoint::max());
+    if (tries <= 1 || result.has_value() || result.error().kind != ErrorKind::timeout) {
+      co_return result;
+    }
+  }
+}
+
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer transfer, TimePoint due) {
+  const ObjectAddress object = transfer.object();
+  Exchange exchange(*this, std::move(transfer), std::min(due, Clock::now() + settings_.timeout), due);
+  exchange.late_possible = late_.expected(object);
+  if (!send(exchange.transfer.request())) {
+    co_return error(ErrorKind::offline, object, "the bus is down");
+  }
+  co_await await_end(exchange);
+  if (exchange.error) {
+    co_return *exchange.error;
+  }
+  co_return exchange.transfer.data();
+}
+
+boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline) {
+  const ObjectAddress object = transfer.object();
+  Turn turn(*this);
+  const Result<void> granted = co_await turn.wait_until(object, deadline);
+  if (granted.has_error()) {
+    co_return granted.error();
+  }
+  const Result<void> settled = co_await settle_late(object, deadline);
+  if (settled.has_error()) {
+    co_return settled.error();
+  }
+  Exchange exchange(*this, std::move(transfer), deadline, deadline);
+  exchange.late_possible = late_.expected(object);
+  const Frame frame = make_frame(kRequestBase + node_, exchange.transfer.request());
+  const Result<void> left = co_await bus_.send_command(frame, deadline);
+  if (left.has_error() && !left.error().outcome_unknown) {
+    Error not_begun = left.error();
+    not_begun.node = node_;
+    not_begun.object = object;
+    co_return not_begun;
+  }
+  // Without its echo the request may have left all the same: an answer would prove it.
+  exchange.due = std::min(deadline, Clock::now() + settings_.timeout);
+  co_await await_end(exchange);
+  if (exchange.error) {
+    Error failure = *exchange.error;
+    failure.outcome_unknown = failure.kind != ErrorKind::refused;
+    co_return failure;
+  }
+  co_return Result<void>();
+}
+
+boost::asio::awaitable<Result<void>> SdoClient::settle_late(ObjectAddress object, TimePoint due) {
+  if (!late_.expected(object)) {
+    co_return Result<void>();
+  }
+  const std::optional<ObjectAddress> other = late_.readable();
+  if (!other) {
+    co_return Result<void>();
+  }
+  SdoTransfer transfer = SdoTransfer::upload(settings_, *other, 0);
+  const Result<Bytes> answer = co_await try_once(std::move(transfer), due);
+  if (answer.has_value() || answer.error().kind == ErrorKind::refused || answer.error().kind == ErrorKind::protocol) {
+    co_return Result<void>();
+  }
+  Error failure = answer.error();
+  failure.object = object;
+  if (failure.kind == ErrorKind::timeout) {
+    failure.detail = "not begun: an earlier request for it went unanswered, and now the drive is silent";
+  }
+  co_return failure;
+}
+
+boost::asio::awaitable<void> SdoClient::await_end(Exchange& exchange) {
+  while (!exchange.over && Clock::now() < exchange.due) {
+    co_await exchange.ended.wait_until(exchange.due);
+  }
+  if (exchange.over) {
+    co_return;
+  }
+  exchange.over = true;
+  answered_ = false;
+  late_.note_unanswered(exchange.transfer.object(), settings_.timeout);
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(settings_.timeout);
+  exchange.error =
+      error(ErrorKind::timeout, exchange.transfer.object(), "no answer in " + std::to_string(waited.count()) + " ms");
+  if (exchange.transfer.in_segments()) {
+    send(abort_request(exchange.transfer.object(), kAbortTimedOut));
+  }
+}
+
+void SdoClient::on_frame(const Received& received) {
+  if (exchange_ == nullptr || exchange_->over || received.frame.remote) {
+    return;
+  }
+  Exchange& exchange = *exchange_;
+  const SdoTransfer::Step step = exchange.transfer.on_answer(received.frame.bytes(), exchange.late_possible);
+  if (step == SdoTransfer::Step::ignored) {
+    return;
+  }
+  answered_ = true;
+  if (step != SdoTransfer::Step::more) {
+    finish(exchange, step);
+    return;
+  }
+  exchange.due = std::min(exchange.deadline, Clock::now() + settings_.timeout);
+  if (!send(exchange.transfer.request())) {
+    exchange.over = true;
+    exchange.error = error(ErrorKind::offline, exchange.transfer.object(), "the bus is down");
+    exchange.ended.notify();
+  }
+}
+
+void SdoClient::finish(Exchange& exchange, SdoTransfer::Step step) {
+  const SdoTransfer& transfer = exchange.transfer;
+  exchange.over = true;
+  if (step == SdoTransfer::Step::failed) {
+    exchange.error = transfer.error();
+    exchange.error->node = node_;
+    exchange.error->object = transfer.object();
+    if (transfer.abort()) {
+      send(*transfer.abort());
+    }
+  }
+  late_.note_answered(transfer.object(), transfer.completed_upload());
+  exchange.ended.notify();
+  if (exchange.error && exchange.error->kind == ErrorKind::refused && abort_handler_) {
+    abort_handler_(exchange.error->abort);
+  }
+  if (!transfer.remark().empty() && remark_handler_) {
+    remark_handler_(to_string(transfer.object()) + ": " + transfer.remark());
+  }
+}
+
+void SdoClient::interrupt() {
+  ++interruptions_;
+  bus_.withdraw(kRequestBase + node_);
+  if (exchange_ != nullptr && !exchange_->over) {
+    exchange_->over = true;
+    exchange_->error =
+        error(ErrorKind::offline, exchange_->transfer.object(), "the drive was lost, rebooted or removed");
+    exchange_->ended.notify();
+  }
+  turn_event_.notify();
+}
+
+SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) const {
+  std::array<std::uint8_t, 8> data{};
+  const unsigned length = encode_raw(type, raw, data);
+  return SdoTransfer::download(settings_, object, std::span<const std::uint8_t>(data).first(length));
+}
+
+bool SdoClient::send(const SdoFrame& request) {
+  return bus_.send(make_frame(kRequestBase + node_, request));
+}
+
+Error SdoClient::error(ErrorKind kind, ObjectAddress object, std::string detail) const {
+  Error error;
+  error.kind = kind;
+  error.node = node_;
+  error.object = object;
+  error.detail = std::move(detail);
+  return error;
+}
+
+boost::asio::awaitable<void> SdoClient::until_idle() {
+  while (!idle()) {
+    co_await turn_event_.wait_until(TimePoint::max());
+  }
+}
+
+}  // namespace canopen

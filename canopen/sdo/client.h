@@ -1,0 +1,113 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopen/clock.h"
+#include "canopen/error.h"
+#include "canopen/event.h"
+#include "canopen/link.h"
+#include "canopen/node_settings.h"
+#include "canopen/object.h"
+#include "canopen/sdo/late_answers.h"
+#include "canopen/sdo/transfer.h"
+#include "canopen/subscription.h"
+
+namespace canopen {
+
+class Bus;
+
+/// The SDO client of one node (default channel, 0x600 and 0x580 + node id). One transfer at a time; who comes later
+/// waits in order. Errors name node, object and abort code.
+///
+/// Late answers: an answer is taken only for the object that was asked for. Where an earlier request for the same
+/// object went unanswered, its answer could pass for that of a new request; then another object is read first, whose
+/// answer proves that the older requests are over (a server answers in order).
+class SdoClient {
+ public:
+  using AbortHandler = std::function<void(std::uint32_t code)>;
+  using RemarkHandler = std::function<void(std::string_view text)>;
+
+  /// `bus` outlives the client.
+  SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8_t node, SdoSettings settings);
+  ~SdoClient() = default;
+  SdoClient(const SdoClient&) = delete;
+  SdoClient& operator=(const SdoClient&) = delete;
+
+  /// Called for each abort the node sends, with 0 where it carried no code.
+  void on_abort(AbortHandler handler) { abort_handler_ = std::move(handler); }
+  /// Called where a person should know of something that no error tells.
+  void on_remark(RemarkHandler handler) { remark_handler_ = std::move(handler); }
+
+  /// Upload, tried again after a timeout. `expected`: bytes of the object's type, 0 where not known.
+  boost::asio::awaitable<Result<std::vector<std::uint8_t>>> upload(ObjectAddress object, std::size_t expected = 0);
+  /// Upload of a basic type. More bytes than it has: the lower ones count; fewer: `protocol`.
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type) {
+    return read(object, type, 1 + settings_.retries);
+  }
+  /// The same, tried once: for finding out whether anybody is there.
+  boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) { return read(object, type, 1); }
+  /// Download of a setting, tried again after a timeout. Never for what could move a motor.
+  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
+  /// Download of a command: sent once. Not begun by `deadline`: `timeout`, and it can never take effect. Begun and not
+  /// confirmed by then, or within the time of one answer: `timeout` with outcome_unknown.
+  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+
+  /// Fails everything that is under way or waits with `offline`; commands that have not left are withdrawn. Sends
+  /// nothing. The client can be used again at once.
+  void interrupt();
+  /// Grows with each interrupt(): a procedure of several transfers compares it to learn that it was interrupted.
+  [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
+
+  /// The newest transfer got an answer, were it an abort.
+  [[nodiscard]] bool answered() const noexcept { return answered_; }
+  /// Nothing is under way or waits.
+  [[nodiscard]] bool idle() const noexcept { return users_ == 0; }
+  /// Returns once idle; to be awaited after interrupt() before the client goes.
+  boost::asio::awaitable<void> until_idle();
+
+ private:
+  class Turn;
+  struct Exchange;
+  using Bytes = std::vector<std::uint8_t>;
+
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries);
+  boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries);
+  boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline);
+  boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint due);
+  /// Makes sure that no late answer for `object` is still to come.
+  boost::asio::awaitable<Result<void>> settle_late(ObjectAddress object, TimePoint due);
+  boost::asio::awaitable<void> await_end(Exchange& exchange);
+
+  void on_frame(const Received& received);
+  void finish(Exchange& exchange, SdoTransfer::Step step);
+  [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
+  bool send(const SdoFrame& request);
+  [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
+
+  boost::asio::any_io_executor executor_;
+  Bus& bus_;
+  std::uint8_t node_;
+  SdoSettings settings_;
+  AbortHandler abort_handler_;
+  RemarkHandler remark_handler_;
+
+  Event turn_event_;         ///< Somebody's turn came, or the last one left.
+  std::deque<Turn*> turns_;  ///< The first one has the channel.
+  std::size_t users_ = 0;
+  Exchange* exchange_ = nullptr;
+  LateAnswers late_;
+  std::uint64_t interruptions_ = 0;
+  bool answered_ = false;
+
+  Subscription subscription_;
+};
+
+}  // namespace canopen

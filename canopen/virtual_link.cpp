@@ -1,0 +1,138 @@
+#include "canopen/virtual_link.h"
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+
+namespace canopen {
+
+/// One plug on a VirtualBus.
+class VirtualLink final : public Link {
+ public:
+  explicit VirtualLink(VirtualBus& bus) : bus_(bus) {}
+  ~VirtualLink() override { bus_.remove(*this); }
+
+  void open(LinkEvents& events) override {
+    events_ = &events;
+    bus_.tell_state(*this);
+  }
+  void close() override { events_ = nullptr; }
+  SendResult send(const Frame& frame) override { return bus_.accept(*this, frame); }
+
+  [[nodiscard]] LinkEvents* events() const noexcept { return events_; }
+
+ private:
+  VirtualBus& bus_;
+  LinkEvents* events_ = nullptr;
+};
+
+VirtualBus::VirtualBus(boost::asio::any_io_executor executor) : executor_(std::move(executor)) {}
+
+VirtualBus::~VirtualBus() {
+  *alive_ = false;
+}
+
+std::unique_ptr<Link> VirtualBus::connect() {
+  auto link = std::make_unique<VirtualLink>(*this);
+  links_.push_back(link.get());
+  return link;
+}
+
+void VirtualBus::set_state(const BusState& state) {
+  state_ = state;
+  if (!state_.up()) {
+    queue_.clear();
+  }
+  for (VirtualLink* link : links_) {
+    if (link != nullptr) {
+      tell_state(*link);
+    }
+  }
+}
+
+SendResult VirtualBus::accept(const VirtualLink& sender, const Frame& frame) {
+  if (!state_.up()) {
+    return SendResult::down;
+  }
+  if (queue_.size() >= kCapacity) {
+    return SendResult::busy;
+  }
+  queue_.push_back({&sender, frame});
+  schedule();
+  return SendResult::handed_over;
+}
+
+void VirtualBus::schedule() {
+  if (scheduled_) {
+    return;
+  }
+  scheduled_ = true;
+  boost::asio::post(executor_, [this, alive = alive_] {
+    if (*alive) {
+      deliver();
+    }
+  });
+}
+
+void VirtualBus::deliver() {
+  scheduled_ = false;
+  // Only what waits now: answers given meanwhile go with the next turn, so that the loop stays fair.
+  for (std::size_t count = queue_.size(); count > 0 && !queue_.empty(); --count) {
+    const Pending pending = queue_.front();
+    queue_.pop_front();
+    deliver_one(pending);
+  }
+  if (!queue_.empty()) {
+    schedule();
+  }
+}
+
+void VirtualBus::deliver_one(const Pending& pending) {
+  const TimePoint now = Clock::now();
+  const Received received{pending.frame, now, wall_now()};
+  delivering_ = true;
+  // By position, and only the links of now: a receiver may plug and unplug links while it handles the frame.
+  const std::size_t count = links_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    VirtualLink* link = links_[i];
+    if (link == nullptr || link->events() == nullptr) {
+      continue;
+    }
+    if (link != pending.sender) {
+      link->events()->on_frames({&received, 1});
+    } else if (!withhold_echoes_) {
+      link->events()->on_echo(pending.frame, now);
+    }
+  }
+  delivering_ = false;
+  std::erase(links_, nullptr);
+}
+
+void VirtualBus::tell_state(VirtualLink& link) {
+  boost::asio::post(executor_, [this, alive = alive_, target = &link] {
+    if (!*alive || std::find(links_.begin(), links_.end(), target) == links_.end()) {
+      return;
+    }
+    if (target->events() != nullptr) {
+      target->events()->on_bus_state(state_);
+    }
+  });
+}
+
+void VirtualBus::remove(const VirtualLink& link) {
+  // During a delivery its place is kept, so that no other link is passed over.
+  for (VirtualLink*& plugged : links_) {
+    if (plugged == &link) {
+      plugged = nullptr;
+    }
+  }
+  if (!delivering_) {
+    std::erase(links_, nullptr);
+  }
+  for (Pending& pending : queue_) {
+    if (pending.sender == &link) {
+      pending.sender = nullptr;
+    }
+  }
+}
+
+}  // namespace canopen

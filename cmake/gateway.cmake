@@ -1,0 +1,100 @@
+# How the project's targets are declared. All take SOURCES (relative to the caller's folder) and LINK.
+#   gateway_room(<target> SOURCES … LINK …)      a room as static library; what it links its users see too
+#   gateway_program(<target> SOURCES … LINK …)   an executable
+#   gateway_test(<target> SOURCES … LINK …)      a GoogleTest executable, every case one ctest test
+#   gateway_vcan_test(<target> SOURCES … LINK …) a GoogleTest executable that runs where vcan0 is, one ctest test
+#   gateway_system_test(<name> <script>)         a script that runs there too; $GATEWAY_BIN is the program, one ctest test
+include(GoogleTest)
+
+# What every target of ours is compiled with. Release builds keep line numbers for crash reports.
+add_library(gateway_options INTERFACE)
+target_compile_features(gateway_options INTERFACE cxx_std_20)
+target_include_directories(gateway_options INTERFACE "${PROJECT_SOURCE_DIR}")
+target_link_libraries(gateway_options INTERFACE deps::asio)
+target_compile_options(gateway_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Wnon-virtual-dtor
+  -Woverloaded-virtual -Werror)
+
+add_compile_options("$<$<CONFIG:Release>:-g1;-fstack-protector-strong;-D_FORTIFY_SOURCE=2>")
+add_link_options("$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>")
+if(GATEWAY_SANITIZE)
+  add_compile_options(-fsanitize=${GATEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${GATEWAY_SANITIZE})
+endif()
+
+# The headers nearly every file includes, precompiled once for rooms and programs, and once more with GoogleTest.
+# -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without; every file must compile that way too.
+set(GATEWAY_COMMON_HEADERS
+  <algorithm> <array> <chrono> <cstdint> <functional> <map> <memory> <optional> <span> <string> <string_view>
+  <unordered_map> <utility> <variant> <vector>
+  <boost/asio/any_io_executor.hpp> <boost/asio/awaitable.hpp> <boost/asio/basic_waitable_timer.hpp>
+  <boost/asio/co_spawn.hpp> <boost/asio/io_context.hpp> <boost/asio/post.hpp>
+  <boost/asio/redirect_error.hpp> <boost/asio/use_awaitable.hpp> <boost/system/result.hpp>)
+
+function(gateway_precompiled name)
+  file(WRITE "${CMAKE_BINARY_DIR}/precompiled/${name}.cpp" "")
+  add_library(${name} OBJECT "${CMAKE_BINARY_DIR}/precompiled/${name}.cpp")
+  target_link_libraries(${name} PRIVATE gateway_options ${ARGN})
+endfunction()
+
+gateway_precompiled(precompiled)
+target_precompile_headers(precompiled PRIVATE ${GATEWAY_COMMON_HEADERS})
+
+function(gateway_room name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
+  add_library(${name} STATIC ${arg_SOURCES})
+  target_link_libraries(${name} PUBLIC gateway_options ${arg_LINK})
+  target_precompile_headers(${name} REUSE_FROM precompiled)
+endfunction()
+
+function(gateway_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE gateway_options ${arg_LINK})
+  target_precompile_headers(${name} REUSE_FROM precompiled)
+endfunction()
+
+if((GATEWAY_TESTS OR GATEWAY_VCAN_TESTS) AND NOT GATEWAY_FUZZ)
+  find_package(GTest 1.12 REQUIRED CONFIG)
+  gateway_precompiled(precompiled_test GTest::gmock GTest::gtest)
+  target_precompile_headers(precompiled_test PRIVATE ${GATEWAY_COMMON_HEADERS} <gtest/gtest.h>)
+endif()
+
+# Tests find files of the repository with GATEWAY_SOURCE_DIR, an absolute path without a slash at its end.
+function(gateway_test_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE gateway_options ${arg_LINK} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE GATEWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_precompile_headers(${name} REUSE_FROM precompiled_test)
+endfunction()
+
+function(gateway_test name)
+  gateway_test_program(${name} ${ARGN})
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS unit TIMEOUT 120)
+endfunction()
+
+# What is tested on vcan is the release build: AddressSanitizer does not run in the user-mode kernel, and this is what
+# is installed. Alone, because the user-mode kernel has one processor and these tests know deadlines.
+function(gateway_add_vcan_test name)
+  add_test(NAME vcan.${name} COMMAND "${PROJECT_SOURCE_DIR}/tests/vcan/run" -t 280 -- ${ARGN})
+  set_tests_properties(vcan.${name} PROPERTIES LABELS vcan TIMEOUT 300 RUN_SERIAL ON
+    ENVIRONMENT "GATEWAY_BIN=${GATEWAY_RELEASE_DIR}/daemon/canopen-gateway")
+endfunction()
+
+function(gateway_vcan_test name)
+  if(GATEWAY_VCAN_TESTS)
+    gateway_test_program(${name} ${ARGN})
+  endif()
+  if(GATEWAY_CHECKS)
+    cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE folder)
+    gateway_add_vcan_test(${name} "${GATEWAY_RELEASE_DIR}/${folder}/${name}")
+  endif()
+endfunction()
+
+function(gateway_system_test name script)
+  if(GATEWAY_CHECKS)
+    gateway_add_vcan_test(${name} "${CMAKE_CURRENT_SOURCE_DIR}/${script}")
+  endif()
+endfunction()

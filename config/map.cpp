@@ -1,0 +1,194 @@
+#include "config/map.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "config/map_json.h"
+#include "config/text.h"
+
+namespace config {
+namespace {
+
+constexpr std::size_t kColumns = 13;
+using Row = std::array<std::string, kColumns>;
+
+constexpr std::array<std::string_view, kColumns> kHeadings{"drive", "signal", "object", "type",   "scale",
+                                                           "unit",  "access", "source", "min",    "max",
+                                                           "modbus", "topic", "set"};
+
+std::string number_of(const std::optional<double>& number) {
+  return number.has_value() ? to_text(*number) : "";
+}
+
+/// `5: register 2`, `5: register 200-201`, `5: bit 0`.
+std::string modbus_of(const Drive& drive, const Signal& signal) {
+  const ModbusPlace& place = signal.modbus;
+  if (!drive.unit.has_value() || place.kind == ModbusKind::none) {
+    return "";
+  }
+  std::string text = std::to_string(*drive.unit) + (place.kind == ModbusKind::bit ? ": bit " : ": register ") +
+                     std::to_string(place.address);
+  if (place.count > 1) {
+    text.append("-").append(std::to_string(place.address + place.count - 1));
+  }
+  return text;
+}
+
+std::vector<Row> rows_of(const Model& model) {
+  std::vector<Row> rows;
+  for (const Drive& drive : model.drives) {
+    for (const Signal& signal : drive.signals) {
+      rows.push_back({drive.name, signal.name, canopen::to_string(signal.object),
+                      std::string(canopen::name_of(signal.type)), to_text(signal.scale), signal.unit,
+                      std::string(name_of(signal.access)), to_string(signal.source), number_of(signal.min),
+                      number_of(signal.max), modbus_of(drive, signal),
+                      value_topic(model, drive, signal).value_or(""), set_topic(model, drive, signal).value_or("")});
+    }
+  }
+  return rows;
+}
+
+/// Characters, not bytes, so that "°C" keeps its column.
+std::size_t width_of(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+std::string render_table(const Model& model) {
+  const auto rows = rows_of(model);
+  std::array<std::size_t, kColumns> widths{};
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    widths.at(i) = width_of(kHeadings.at(i));
+    for (const Row& row : rows) {
+      widths.at(i) = std::max(widths.at(i), width_of(row.at(i)));
+    }
+  }
+  std::string out;
+  const auto line = [&](const auto& cells) {
+    std::string text;
+    for (std::size_t i = 0; i < kColumns; ++i) {
+      text += std::string(cells.at(i)) + std::string(widths.at(i) - width_of(cells.at(i)) + 2, ' ');
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    out += text + "\n";
+  };
+  line(kHeadings);
+  for (const Row& row : rows) {
+    line(row);
+  }
+  return out;
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\n\r") == std::string_view::npos) {
+    return std::string(text);
+  }
+  std::string cell = "\"";
+  for (const char c : text) {
+    cell += c == '"' ? "\"\"" : std::string(1, c);
+  }
+  return cell + "\"";
+}
+
+std::string markdown_cell(std::string_view text) {
+  std::string cell;
+  for (const char c : text) {
+    cell += c == '|' ? "\\|" : std::string(1, c);
+  }
+  return cell;
+}
+
+std::string render_csv(const Model& model) {
+  std::string out;
+  const auto line = [&out](const auto& cells) {
+    for (std::size_t i = 0; i < kColumns; ++i) {
+      out += (i == 0 ? "" : ",") + csv_cell(cells.at(i));
+    }
+    out += "\n";
+  };
+  line(kHeadings);
+  for (const Row& row : rows_of(model)) {
+    line(row);
+  }
+  return out;
+}
+
+std::string render_markdown(const Model& model) {
+  std::string out;
+  const auto line = [&out](const auto& cells) {
+    for (const auto& cell : cells) {
+      out.append("| ").append(markdown_cell(cell)).append(" ");
+    }
+    out += "|\n";
+  };
+  line(kHeadings);
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    out += "|---";
+  }
+  out += "|\n";
+  for (const Row& row : rows_of(model)) {
+    line(row);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<MapFormat> parse_map_format(std::string_view name) noexcept {
+  if (name == "table") {
+    return MapFormat::table;
+  }
+  if (name == "json") {
+    return MapFormat::json;
+  }
+  if (name == "csv") {
+    return MapFormat::csv;
+  }
+  return name == "markdown" ? std::optional(MapFormat::markdown) : std::nullopt;
+}
+
+std::string render_map(const Model& model, MapFormat format) {
+  switch (format) {
+    case MapFormat::json:
+      return render_map_json(model);
+    case MapFormat::csv:
+      return render_csv(model);
+    case MapFormat::markdown:
+      return render_markdown(model);
+    case MapFormat::table:
+      break;
+  }
+  return render_table(model);
+}
+
+std::string base_topic(const Model& model) {
+  return (model.mqtt.has_value() ? model.mqtt->base : Mqtt().base) + "/" + model.gateway.name;
+}
+
+std::string to_string(const Source& source) {
+  switch (source.kind) {
+    case SourceKind::tpdo:
+      return std::string("tpdo").append(std::to_string(source.number));
+    case SourceKind::rpdo:
+      return std::string("rpdo").append(std::to_string(source.number));
+    case SourceKind::sdo:
+      break;
+  }
+  return "sdo";
+}
+
+std::string_view name_of(Access access) noexcept {
+  switch (access) {
+    case Access::read:
+      return "read";
+    case Access::write:
+      return "write";
+    case Access::read_write:
+      break;
+  }
+  return "read-write";
+}
+
+}  // namespace config

@@ -1,0 +1,200 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopen/node_settings.h"
+#include "canopen/object.h"
+
+// What a site configured, checked and resolved against its profiles: plain immutable values, compared by value.
+
+namespace config {
+
+using canopen::Duration;
+
+struct Gateway {
+  std::string name;  ///< [A-Za-z0-9_-]{1,32}
+  friend bool operator==(const Gateway&, const Gateway&) = default;
+};
+
+struct Bus {
+  std::string name;
+  std::string interface;                 ///< A SocketCAN interface, or kVirtualInterface.
+  std::optional<std::uint32_t> bitrate;  ///< bit/s
+  std::uint8_t node_id = 127;            ///< 0: none
+  Duration heartbeat = std::chrono::milliseconds(500);
+  Duration sync{};  ///< Zero: none.
+  friend bool operator==(const Bus&, const Bus&) = default;
+};
+inline constexpr std::string_view kVirtualInterface = "virtual";
+
+enum class Access : std::uint8_t { read, write, read_write };
+[[nodiscard]] constexpr bool readable(Access access) noexcept {
+  return access != Access::write;
+}
+[[nodiscard]] constexpr bool writable(Access access) noexcept {
+  return access != Access::read;
+}
+
+/// Where a signal's value comes from, and for writable ones which way a value goes first.
+enum class SourceKind : std::uint8_t { tpdo, rpdo, sdo };
+struct Source {
+  SourceKind kind = SourceKind::sdo;
+  std::uint16_t number = 0;  ///< Of the PDO; 0 for SDO.
+  friend bool operator==(const Source&, const Source&) = default;
+};
+
+/// A boolean read out of another signal's raw word: true where (word & mask) is one of `values`, or, with `negative`,
+/// where the word as a signed number is below zero.
+struct Derived {
+  std::size_t from = 0;  ///< Position of the word in Drive::signals; always before this signal.
+  std::uint64_t mask = 0;
+  std::vector<std::uint64_t> values;
+  bool negative = false;
+  friend bool operator==(const Derived&, const Derived&) = default;
+};
+
+enum class ModbusKind : std::uint8_t { none, holding, bit };
+struct ModbusPlace {
+  ModbusKind kind = ModbusKind::none;
+  std::uint16_t address = 0;  ///< PDU address, from 0.
+  std::uint16_t count = 1;    ///< Registers: 1, 2 or 4.
+  bool as_float = false;      ///< Engineering units as IEEE 754 single in two registers.
+  friend bool operator==(const ModbusPlace&, const ModbusPlace&) = default;
+};
+
+struct Signal {
+  std::string name;  ///< [a-z][a-z0-9_]*
+  canopen::ObjectAddress object;
+  canopen::DataType type = canopen::DataType::u16;
+  double scale = 1.0;     ///< Engineering value = raw · scale.
+  unsigned decimals = 0;  ///< Of the engineering value as text, from the scale: 0.01 gives 2.
+  std::string unit;       ///< "Hz", "A"; may be empty.
+  Access access = Access::read;
+  Source source;
+  std::optional<Derived> derived;
+  std::optional<double> min;  ///< Engineering units.
+  std::optional<double> max;
+  std::map<std::int64_t, std::string> values;  ///< Enumeration of raw numbers; empty: none.
+  std::vector<std::uint64_t> momentary;        ///< Raw values that are forgotten once sent (fault reset, jog).
+  std::uint64_t momentary_mask = 0;  ///< So is a value with one of these bits (CiA 402: fault reset, bit 7).
+  ModbusPlace modbus;
+  Duration poll = std::chrono::seconds(1);         ///< Of a readable SDO signal.
+  double deadband = 0.0;                           ///< MQTT: a smaller change causes no publish. Engineering units.
+  std::uint64_t publish_mask = ~std::uint64_t{0};  ///< MQTT: bits of a word whose change alone causes a publish.
+  bool unconfirmed = false;                        ///< The profile marks meaning or scale as not established.
+  friend bool operator==(const Signal&, const Signal&) = default;
+};
+
+/// A value that is forgotten once sent: no later RPDO repeats it.
+[[nodiscard]] bool is_momentary(const Signal& signal, canopen::Raw raw) noexcept;
+
+enum class Severity : std::uint8_t { warning, fault };
+
+/// Text of a fault code. Which code: of the drive where the EMCY layout carries one, else the EMCY's own.
+struct FaultText {
+  std::string text;
+  Severity severity = Severity::fault;
+  friend bool operator==(const FaultText&, const FaultText&) = default;
+};
+
+/// What decides and names a drive's errors.
+struct FaultRules {
+  std::map<std::uint64_t, FaultText> drive_texts;  ///< By the drive's own code.
+  std::map<std::uint16_t, FaultText> emcy_texts;   ///< By the EMCY code (CiA 301, CiA 402); see find_emcy_text.
+  std::optional<std::size_t> fault;                ///< Position in signals of the boolean that tells a fault.
+  std::optional<std::size_t> warning;              ///< Likewise a warning.
+  std::optional<std::size_t> fault_code;           ///< The word that names the newest fault.
+  std::optional<std::size_t> running;              ///< The boolean that tells a turning motor.
+  bool has_error_register = true;                  ///< 0x1001 is read after boot; an absent one decides nothing.
+  bool has_error_field = true;                     ///< 0x1003 likewise, for names only.
+  friend bool operator==(const FaultRules&, const FaultRules&) = default;
+};
+
+/// Text of an EMCY code: of the code itself, else of its class (0x2123: 0x2100, then 0x2000; CiA 301 table 26); null
+/// where the profile has none.
+[[nodiscard]] const FaultText* find_emcy_text(const FaultRules& rules, std::uint16_t code) noexcept;
+
+enum class OnStale : std::uint8_t { exception, hold, zero };
+enum class WordOrder : std::uint8_t { big, little };
+
+struct Writers {
+  bool modbus = false;
+  bool mqtt = false;
+  bool local = false;
+  friend bool operator==(const Writers&, const Writers&) = default;
+};
+
+struct Commands {
+  Writers writers;
+  bool raw = false;
+  bool nmt_while_running = false;
+  Duration deadline = std::chrono::milliseconds(800);
+  friend bool operator==(const Commands&, const Commands&) = default;
+};
+
+struct Drive {
+  std::string name;
+  std::size_t bus = 0;  ///< Position in Model::buses.
+  std::string profile;
+  std::optional<std::uint8_t> unit;  ///< Modbus unit 1..247; nothing: not on Modbus.
+  canopen::NodeSettings node;        ///< node.node is the node id.
+  std::vector<Signal> signals;       ///< Words before the booleans derived from them.
+  FaultRules faults;
+  Commands commands;
+  OnStale on_stale = OnStale::exception;
+  friend bool operator==(const Drive&, const Drive&) = default;
+
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view signal_name) const noexcept;
+};
+
+struct Endpoint {
+  std::string host;  ///< Numeric address or name, IPv6 without brackets.
+  std::uint16_t port = 0;
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+};
+
+/// An address range such as 127.0.0.0/8 or ::1/128.
+struct Network {
+  std::string address;  ///< Numeric.
+  unsigned prefix = 0;
+  friend bool operator==(const Network&, const Network&) = default;
+};
+
+struct Modbus {
+  std::vector<Endpoint> listen{{"0.0.0.0", 502}};
+  std::size_t max_clients = 32;
+  Duration idle_timeout = std::chrono::minutes(10);
+  std::vector<Network> read_from{{"0.0.0.0", 0}, {"::", 0}};
+  std::vector<Network> write_from{{"127.0.0.0", 8}, {"::1", 128}};
+  WordOrder word_order = WordOrder::big;
+  friend bool operator==(const Modbus&, const Modbus&) = default;
+};
+
+struct Mqtt {
+  Endpoint broker{"127.0.0.1", 1883};
+  std::string base = "canopen";
+  std::string username;
+  std::string password;  ///< Read from password_file.
+  int qos = 1;           ///< 0 or 1 (2 is refused)
+  bool state = true;
+  bool signals = true;
+  Duration min_interval = std::chrono::milliseconds(250);
+  Duration max_interval = std::chrono::seconds(60);
+  friend bool operator==(const Mqtt&, const Mqtt&) = default;
+};
+
+struct Model {
+  Gateway gateway;
+  std::vector<Bus> buses;
+  std::vector<Drive> drives;
+  std::optional<Modbus> modbus;
+  std::optional<Mqtt> mqtt;
+  friend bool operator==(const Model&, const Model&) = default;
+};
+
+}  // namespace config

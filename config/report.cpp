@@ -1,0 +1,56 @@
+#include "config/report.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace config {
+
+std::uint16_t Report::add_file(std::string name) {
+  files_.push_back(std::move(name));
+  return static_cast<std::uint16_t>(files_.size() - 1);
+}
+
+void Report::error(Place place, std::string text) {
+  add(place, Finding::Level::error, std::move(text));
+}
+
+void Report::warning(Place place, std::string text) {
+  add(place, Finding::Level::warning, std::move(text));
+}
+
+void Report::add(Place place, Finding::Level level, std::string text) {
+  noted_.push_back({.place = place, .level = level, .text = std::move(text)});
+}
+
+bool Report::has_errors() const noexcept {
+  return std::any_of(noted_.begin(), noted_.end(),
+                     [](const Noted& noted) { return noted.level == Finding::Level::error; });
+}
+
+Findings Report::take() {
+  const auto rank = [](const Noted& noted) {
+    return std::tie(noted.place.file, noted.place.line, noted.place.column);
+  };
+  std::stable_sort(noted_.begin(), noted_.end(),
+                   [&rank](const Noted& a, const Noted& b) { return rank(a) < rank(b); });
+  Findings findings;
+  for (Noted& noted : noted_) {
+    // Two drives of one profile meet the same mistake in it.
+    const bool known = std::any_of(findings.rbegin(), findings.rend(), [&](const Finding& f) {
+      return f.line == noted.place.line && f.column == noted.place.column && f.text == noted.text &&
+             f.file == files_.at(noted.place.file);
+    });
+    if (!known) {
+      findings.push_back({.file = files_.at(noted.place.file),
+                          .line = noted.place.line,
+                          .column = noted.place.column,
+                          .level = noted.level,
+                          .text = std::move(noted.text)});
+    }
+  }
+  noted_.clear();
+  return findings;
+}
+
+}  // namespace config

@@ -1,0 +1,158 @@
+#include "config/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <system_error>
+
+namespace config {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  canopen::Duration length;
+};
+
+// From long to short: the first that divides a duration evenly is the one to write it in.
+constexpr std::array<Unit, 5> kUnits{{{"h", std::chrono::hours(1)},
+                                      {"min", std::chrono::minutes(1)},
+                                      {"s", std::chrono::seconds(1)},
+                                      {"ms", std::chrono::milliseconds(1)},
+                                      {"us", std::chrono::microseconds(1)}}};
+
+constexpr canopen::Duration kLongest = std::chrono::hours(24 * 3650);
+
+bool is_digit(char c) noexcept {
+  return c >= '0' && c <= '9';
+}
+
+bool is_lower(char c) noexcept {
+  return c >= 'a' && c <= 'z';
+}
+
+std::string_view trim(std::string_view text) {
+  const auto first = text.find_first_not_of(' ');
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+}  // namespace
+
+std::optional<canopen::Duration> parse_duration(std::string_view text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
+  if (error != std::errc() || text.empty() || !is_digit(text.front()) || !std::isfinite(number)) {
+    return std::nullopt;
+  }
+  const std::string_view name = text.substr(static_cast<std::size_t>(end - text.data()));
+  const auto* const unit =
+      std::find_if(kUnits.begin(), kUnits.end(), [name](const Unit& known) { return known.name == name; });
+  if (unit == kUnits.end()) {
+    return std::nullopt;
+  }
+  const double nanoseconds = number * static_cast<double>(unit->length.count());
+  if (nanoseconds > static_cast<double>(kLongest.count())) {
+    return std::nullopt;
+  }
+  return canopen::Duration(std::llround(nanoseconds));
+}
+
+std::string to_text(canopen::Duration duration) {
+  if (duration == canopen::Duration::zero()) {
+    return "0s";
+  }
+  for (const Unit& unit : kUnits) {
+    if (duration % unit.length == canopen::Duration::zero()) {
+      return std::to_string(duration / unit.length) + std::string(unit.name);
+    }
+  }
+  return to_text(static_cast<double>(duration.count()) / 1000.0) + "us";
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  std::string_view digits = negative ? text.substr(1) : text;
+  int base = 10;
+  if (digits.starts_with("0x") || digits.starts_with("0X")) {
+    base = 16;
+    digits.remove_prefix(2);
+  }
+  if (digits.empty() || digits.front() == '-' || digits.front() == '+') {
+    return std::nullopt;
+  }
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number, base);
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    return std::nullopt;
+  }
+  return negative ? -number : number;
+}
+
+std::string to_text(double number) {
+  std::array<char, 64> buffer{};
+  const bool plain = std::abs(number) < 1e15 && (number == 0.0 || std::abs(number) >= 1e-9);
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number,
+                                          plain ? std::chars_format::fixed : std::chars_format::scientific);
+  return error == std::errc() ? std::string(buffer.data(), end) : std::string("0");
+}
+
+std::string to_hex(std::uint64_t number) {
+  std::array<char, 24> buffer{};
+  const int length = std::snprintf(buffer.data(), buffer.size(), "0x%04llX", static_cast<unsigned long long>(number));
+  return {buffer.data(), static_cast<std::size_t>(std::max(length, 0))};
+}
+
+bool is_name(std::string_view text) noexcept {
+  return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {
+    return is_lower(c) || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' || c == '-';
+  });
+}
+
+bool is_signal_name(std::string_view text) noexcept {
+  return !text.empty() && text.size() <= 64 && is_lower(text.front()) &&
+         std::all_of(text.begin(), text.end(), [](char c) { return is_lower(c) || is_digit(c) || c == '_'; });
+}
+
+bool is_plain_text(std::string_view text) noexcept {
+  return text.size() <= 200 && std::none_of(text.begin(), text.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+  });
+}
+
+std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped(std::string_view text) {
+  const auto space = text.find(' ');
+  if (space == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const auto object = canopen::parse_object(text.substr(0, space));
+  const auto type = canopen::parse_type(trim(text.substr(space)));
+  if (!object.has_value() || !type.has_value()) {
+    return std::nullopt;
+  }
+  return std::pair(*object, *type);
+}
+
+std::optional<std::int64_t> parse_cob_id(std::string_view text, std::uint8_t node) {
+  const auto plus = text.find('+');
+  if (plus == std::string_view::npos) {
+    return parse_integer(trim(text));
+  }
+  constexpr std::string_view kNodeId = "$NODEID";
+  const std::string_view left = trim(text.substr(0, plus));
+  const std::string_view right = trim(text.substr(plus + 1));
+  if (left != kNodeId && right != kNodeId) {
+    return std::nullopt;
+  }
+  const auto offset = parse_integer(left == kNodeId ? right : left);
+  if (!offset.has_value() || *offset < 0 || *offset > 0x7FF) {
+    return std::nullopt;
+  }
+  return *offset + node;
+}
+
+}  // namespace config

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "canopen/clock.h"
+#include "canopen/object.h"
+
+// Small readers and writers of the notations that configuration files use. None throws on any text.
+
+namespace config {
+
+/// `500ms`, `1.5s`, `10min`; units us, ms, s, min, h. Nothing on any other text, negative ones, and beyond ten years.
+[[nodiscard]] std::optional<canopen::Duration> parse_duration(std::string_view text);
+/// The shortest of these notations without a fraction where one exists: `500ms`, `90s`, `10min`.
+[[nodiscard]] std::string to_text(canopen::Duration duration);
+
+/// Decimal or 0x…; the whole text must be a number.
+[[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
+/// The shortest decimal text that reads back as the same number, never with an exponent below 1e15: `0.01`, `50`.
+[[nodiscard]] std::string to_text(double number);
+/// At least four hexadecimal digits: `0x0005`.
+[[nodiscard]] std::string to_hex(std::uint64_t number);
+
+/// The rule for gateway, bus and drive names: [A-Za-z0-9_-]{1,32}.
+[[nodiscard]] bool is_name(std::string_view text) noexcept;
+/// The rule for signal names: [a-z][a-z0-9_]*, at most 64 characters.
+[[nodiscard]] bool is_signal_name(std::string_view text) noexcept;
+/// Free text: no control characters, at most 200 bytes.
+[[nodiscard]] bool is_plain_text(std::string_view text) noexcept;
+
+/// `0x2021:02 u16`: an object as a PDO maps it.
+[[nodiscard]] std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped(std::string_view text);
+/// `$NODEID+0x180` or `0x180+$NODEID` for this node, or a plain number.
+[[nodiscard]] std::optional<std::int64_t> parse_cob_id(std::string_view text, std::uint8_t node);
+
+}  // namespace config

@@ -1,0 +1,103 @@
+#include <unistd.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <vector>
+
+#include "canopen/virtual_link.h"
+#include "daemon/commands.h"
+#include "daemon/demo_config.h"
+#include "daemon/demo_screen.h"
+#include "daemon/gateway.h"
+#include "daemon/log.h"
+#include "daemon/simulated_site.h"
+#include "daemon/stop_signal.h"
+
+namespace gateway {
+namespace {
+
+std::optional<config::Model> demo_model(const Options& options) {
+  if (options.config_given) {
+    return load_or_complain(options);
+  }
+  config::LoadOptions load = load_options(options);
+  load.file = "demo.toml";
+  config::Loaded loaded = config::load_text(demo_config(), load);
+  // Its warnings tell a plant what to look at; a demo has none to lose.
+  if (!loaded.model) {
+    for (const config::Finding& finding : loaded.findings) {
+      std::cerr << to_string(finding) << '\n';
+    }
+  }
+  return std::move(loaded.model);
+}
+
+/// The demo's buses: in-process ones, whatever interface the configuration names.
+class DemoBuses {
+ public:
+  DemoBuses(const boost::asio::any_io_executor& executor, const config::Model& model) : model_(model) {
+    for (std::size_t i = 0; i < model.buses.size(); ++i) {
+      buses_.push_back(std::make_unique<canopen::VirtualBus>(executor));
+    }
+  }
+
+  [[nodiscard]] std::unique_ptr<canopen::Link> connect(std::size_t bus) { return buses_.at(bus)->connect(); }
+  [[nodiscard]] std::unique_ptr<canopen::Link> connect(const config::Bus& bus) {
+    return connect(static_cast<std::size_t>(&bus - model_.buses.data()));
+  }
+
+ private:
+  const config::Model& model_;
+  std::vector<std::unique_ptr<canopen::VirtualBus>> buses_;
+};
+
+void add_drives(SimulatedSite& site, DemoBuses& buses, const config::Model& model) {
+  for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
+    const std::size_t network = site.add_network(buses.connect(bus));
+    for (const config::Drive& drive : model.drives) {
+      if (drive.bus == bus) {
+        site.add_drive(network, drive.profile, drive.node.node);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int demo(const Options& options) {
+  const std::optional<config::Model> model = demo_model(options);
+  if (!model) {
+    return kConfigurationError;
+  }
+  const Log log(options.verbose);
+  boost::asio::io_context loop(1);
+  DemoBuses buses(loop.get_executor(), *model);
+  SimulatedSite site(loop.get_executor());
+  add_drives(site, buses, *model);
+  Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) { return buses.connect(bus); });
+  gateway.start();
+  site.start();
+  DemoScreen screen(loop.get_executor(), gateway.plant(), std::cout, isatty(STDOUT_FILENO) == 1);
+  screen.start();
+  boost::asio::co_spawn(
+      loop,
+      [](Gateway& running, boost::asio::any_io_executor executor) -> boost::asio::awaitable<void> {
+        co_await stop_signal(executor);
+        co_await running.stop();
+      }(gateway, loop.get_executor()),
+      [&](const std::exception_ptr& error) {
+        if (error) {
+          std::rethrow_exception(error);
+        }
+        screen.stop();
+        site.stop();
+        loop.stop();
+      });
+  loop.run();
+  return kDone;
+}
+
+}  // namespace gateway

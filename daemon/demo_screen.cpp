@@ -1,0 +1,166 @@
+#include "daemon/demo_screen.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <ostream>
+#include <string_view>
+#include <utility>
+
+namespace gateway {
+namespace {
+
+constexpr canopen::Duration kOften = std::chrono::seconds(2);
+constexpr canopen::Duration kSeldom = std::chrono::seconds(10);
+
+std::string_view state_of(const process::Drive& drive) noexcept {
+  return drive.status().online ? canopen::name_of(drive.status().nmt) : std::string_view("offline");
+}
+
+// `49.97 Hz`, or `-` for a value that the drive lacks or that is not fresh.
+std::string value_of(const process::Drive& drive, std::string_view name, canopen::TimePoint now) {
+  const auto id = drive.model().find(name);
+  if (!id) {
+    return "";
+  }
+  const config::Signal& signal = drive.model().signals[*id];
+  const auto position = static_cast<process::SignalId>(*id);
+  if (!drive.image().fresh(position, now)) {
+    return fmt::format("{} -", name);
+  }
+  if (signal.type == canopen::DataType::boolean) {
+    return fmt::format("{} {}", name, drive.image().raw(position) != 0 ? "yes" : "no");
+  }
+  const double number = canopen::to_number(signal.type, drive.image().raw(position)) * signal.scale;
+  return fmt::format("{} {:.{}f} {}", name, number, signal.decimals, signal.unit);
+}
+
+std::string alarms_of(const process::Drive& drive) {
+  std::string text;
+  for (const process::AlarmKind kind : process::kAlarmKinds) {
+    if (const process::Alarm& alarm = drive.alarm(kind); alarm.active) {
+      text += fmt::format("   ALARM {}: {}", process::name_of(kind), alarm.text);
+    }
+  }
+  return text;
+}
+
+// One drive's command that starts the motor, in the words of its own control word.
+struct StartWords {
+  std::string_view profile;
+  std::string_view setpoint;
+  int run;
+  int stop;
+  int reset;
+  double example;
+  bool staged;  ///< CiA 402: shutdown and switch on come before.
+};
+constexpr std::array<StartWords, 4> kStartWords{{{"veichi-ac300", "frequency_command", 1, 5, 7, 40.0, false},
+                                                 {"veichi-ac310", "frequency_command", 1, 5, 7, 40.0, false},
+                                                 {"invt-goodrive600", "frequency_command", 1, 5, 7, 40.0, false},
+                                                 {"vacon-opte6", "target_velocity", 127, 6, 128, 900.0, true}}};
+
+const StartWords* start_words(const config::Drive& drive) noexcept {
+  for (const StartWords& words : kStartWords) {
+    if (words.profile == drive.profile) {
+      return &words;
+    }
+  }
+  return nullptr;
+}
+
+void add_mqtt_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
+  const std::string base = model.mqtt->base + "/" + model.gateway.name;
+  const std::string to = fmt::format("  mosquitto_pub -h {} -p {} -t {}/{}", model.mqtt->broker.host,
+                                     model.mqtt->broker.port, base, drive.name);
+  const StartWords* const words = start_words(drive);
+  if (words == nullptr) {
+    return;
+  }
+  if (words->staged) {
+    text += fmt::format("{0}/control_command/set -m 6\n{0}/control_command/set -m 7\n", to);
+  }
+  text += fmt::format("{}/set -m '{{\"{}\":{:.1f},\"control_command\":{},\"id\":\"run-1\"}}'\n", to, words->setpoint,
+                      words->example, words->run);
+  text += fmt::format("{}/control_command/set -m {}\n", to, words->stop);
+}
+
+void add_modbus_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
+  const config::Endpoint& endpoint = model.modbus->listen.front();
+  const auto add = [&](std::string_view signal, std::string_view value) {
+    const auto id = drive.find(signal);
+    if (id && drive.signals[*id].modbus.kind == config::ModbusKind::holding) {
+      text += fmt::format("  mbpoll -m tcp -p {} -a {} -0 -t 4 -r {} -1 {}{}   # {}\n", endpoint.port, *drive.unit,
+                          drive.signals[*id].modbus.address, endpoint.host, value, signal);
+    }
+  };
+  add("status_word", "");
+  add("output_frequency", "");
+  add("actual_velocity", "");
+  if (const StartWords* const words = start_words(drive); words != nullptr && !words->staged) {
+    add("frequency_command", " 2500");
+    add("control_command", fmt::format(" {}", words->run));
+  }
+}
+
+}  // namespace
+
+DemoScreen::DemoScreen(boost::asio::any_io_executor executor, const process::Plant& plant, std::ostream& out,
+                       bool often)
+    : plant_(plant), out_(out), timer_(std::move(executor)), period_(often ? kOften : kSeldom) {}
+
+void DemoScreen::start() {
+  out_ << demo_guide(plant_.model()) << std::flush;
+  show();
+}
+
+void DemoScreen::stop() {
+  timer_.cancel();
+}
+
+void DemoScreen::show() {
+  timer_.expires_after(period_);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) {
+      return;
+    }
+    out_ << demo_table(plant_, canopen::Clock::now()) << std::flush;
+    show();
+  });
+}
+
+std::string demo_guide(const config::Model& model) {
+  std::string text = "Four simulated drives and the gateway on an in-process CAN bus. In another terminal:\n";
+  if (model.mqtt) {
+    text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
+                        model.mqtt->broker.host, model.mqtt->broker.port, model.mqtt->base, model.gateway.name);
+  }
+  for (const config::Drive& drive : model.drives) {
+    text += fmt::format("\n{} ({}, node {}):\n", drive.name, drive.profile, drive.node.node);
+    if (model.modbus && drive.unit) {
+      add_modbus_lines(text, model, drive);
+    }
+    if (model.mqtt) {
+      add_mqtt_lines(text, model, drive);
+    }
+  }
+  return text + "\n";
+}
+
+std::string demo_table(const process::Plant& plant, canopen::TimePoint now) {
+  std::string text;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    const process::Drive& drive = plant.drive(i);
+    text += fmt::format("{:<8} {:<16}", drive.model().name, state_of(drive));
+    for (const std::string_view name :
+         {"running", "output_frequency", "actual_velocity", "motor_speed", "output_current", "dc_bus_voltage"}) {
+      if (const std::string value = value_of(drive, name, now); !value.empty()) {
+        text += "  " + value;
+      }
+    }
+    text += alarms_of(drive) + "\n";
+  }
+  return text + "\n";
+}
+
+}  // namespace gateway

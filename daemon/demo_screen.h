@@ -1,0 +1,35 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <iosfwd>
+#include <string>
+
+#include "bridges/process/plant.h"
+#include "canopen/clock.h"
+
+namespace gateway {
+
+/// What the demo shows: first what to try, then the drives as the gateway sees them, again and again.
+class DemoScreen {
+ public:
+  /// `often`: for a terminal, every other second; else every ten.
+  DemoScreen(boost::asio::any_io_executor executor, const process::Plant& plant, std::ostream& out, bool often);
+
+  void start();
+  void stop();
+
+ private:
+  void show();
+
+  const process::Plant& plant_;
+  std::ostream& out_;
+  canopen::Timer timer_;
+  canopen::Duration period_;
+};
+
+/// Commands for another terminal, made from the model's own addresses and topics.
+[[nodiscard]] std::string demo_guide(const config::Model& model);
+/// One line for each drive.
+[[nodiscard]] std::string demo_table(const process::Plant& plant, canopen::TimePoint now);
+
+}  // namespace gateway

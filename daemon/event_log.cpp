@@ -1,0 +1,80 @@
+#include "daemon/event_log.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string_view>
+
+namespace gateway {
+namespace {
+
+std::string_view name_of(canopen::BusCondition condition) noexcept {
+  switch (condition) {
+    case canopen::BusCondition::error_active:
+      return "error-active";
+    case canopen::BusCondition::warning:
+      return "error-warning";
+    case canopen::BusCondition::passive:
+      return "error-passive";
+    case canopen::BusCondition::bus_off:
+      return "bus-off";
+    case canopen::BusCondition::down:
+      return "down";
+  }
+  return "unknown";
+}
+
+spdlog::level::level_enum level_of(const process::Alarm& alarm) noexcept {
+  if (!alarm.active) {
+    return spdlog::level::info;
+  }
+  return alarm.severity == config::Severity::fault ? spdlog::level::err : spdlog::level::warn;
+}
+
+}  // namespace
+
+EventLog::EventLog(const process::Plant& plant)
+    : plant_(plant),
+      told_(plant.model().drives.size()),
+      bus_told_(plant.model().buses.size(), canopen::BusCondition::down) {}
+
+void EventLog::on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
+
+void EventLog::on_freshness(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
+
+void EventLog::on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) {
+  for (const process::SignalId id : signals) {
+    spdlog::debug("{}: {} commanded, raw {}", drive.model().name, drive.model().signals[id].name,
+                  drive.image().commanded(id));
+  }
+}
+
+void EventLog::on_status(const process::Drive& drive) {
+  const canopen::NodeStatus& status = drive.status();
+  Told& told = told_[drive.index()];
+  if (told.online == status.online && told.nmt == status.nmt) {
+    return;
+  }
+  told = {status.online, status.nmt};
+  spdlog::info("{}: {}, {}", drive.model().name, status.online ? "online" : "offline", canopen::name_of(status.nmt));
+}
+
+void EventLog::on_alarm(const process::Drive& drive, process::AlarmKind kind) {
+  const process::Alarm& alarm = drive.alarm(kind);
+  if (alarm.id.empty()) {
+    return;
+  }
+  spdlog::log(level_of(alarm), "{}: alarm {} {}: 0x{:04X} {}", drive.model().name, process::name_of(kind),
+              alarm.active ? (alarm.confirmed ? "active" : "active, not confirmed") : "over", alarm.code, alarm.text);
+}
+
+void EventLog::on_bus(std::size_t bus) {
+  const canopen::BusState& state = plant_.bus_state(bus);
+  if (bus_told_[bus] == state.condition) {
+    return;
+  }
+  bus_told_[bus] = state.condition;
+  spdlog::log(state.up() ? spdlog::level::info : spdlog::level::err, "bus {}: {}", plant_.model().buses[bus].name,
+              name_of(state.condition));
+}
+
+}  // namespace gateway

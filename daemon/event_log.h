@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bridges/process/observer.h"
+#include "bridges/process/plant.h"
+
+namespace gateway {
+
+/// Writes what an operator wants to read afterwards: drives coming and going, alarms, bus states. Never a line per
+/// frame or value.
+class EventLog final : public process::Observer {
+ public:
+  explicit EventLog(const process::Plant& plant);
+
+  void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_status(const process::Drive& drive) override;
+  void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
+  void on_bus(std::size_t bus) override;
+
+ private:
+  struct Told {
+    bool online = false;
+    canopen::NmtState nmt = canopen::NmtState::unknown;
+  };
+
+  const process::Plant& plant_;
+  std::vector<Told> told_;
+  std::vector<canopen::BusCondition> bus_told_;
+};
+
+}  // namespace gateway

@@ -1,0 +1,104 @@
+#include "daemon/gateway.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+
+#include "bridges/mqtt/publisher.h"
+
+namespace gateway {
+namespace {
+
+canopen::BusSettings settings_of(const config::Bus& bus) {
+  canopen::BusSettings settings;
+  settings.bitrate = bus.bitrate;
+  settings.node_id = bus.node_id;
+  settings.heartbeat = bus.heartbeat;
+  settings.sync = bus.sync;
+  return settings;
+}
+
+void log_notice(mqtt::Level level, const std::string& text) {
+  switch (level) {
+    case mqtt::Level::info:
+      spdlog::info("mqtt: {}", text);
+      break;
+    case mqtt::Level::warning:
+      spdlog::warn("mqtt: {}", text);
+      break;
+    case mqtt::Level::error:
+      spdlog::error("mqtt: {}", text);
+      break;
+  }
+}
+
+}  // namespace
+
+Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link)
+    : buses_(make_buses(executor, model, make_link)), plant_(executor, model, ports(buses_)), event_log_(plant_) {
+  plant_.add(event_log_);
+  if (model.modbus) {
+    modbus_ = std::make_unique<modbus::Server>(executor, plant_, *model.modbus);
+    plant_.add(*modbus_);
+  }
+  if (model.mqtt) {
+    mqtt_ = std::make_unique<mqtt::Bridge>(executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION,
+                                           mqtt::make_publisher(executor, *model.mqtt, model.gateway, log_notice),
+                                           log_notice);
+    if (modbus_) {
+      mqtt_->on_connected_change([this](bool connected) { modbus_->set_mqtt_connected(connected); });
+    }
+  }
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    buses_[i].state =
+        buses_[i].bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+  }
+}
+
+Gateway::~Gateway() = default;
+
+std::vector<Gateway::BusInUse> Gateway::make_buses(const boost::asio::any_io_executor& executor,
+                                                   const config::Model& model, const LinkFactory& make_link) {
+  std::vector<BusInUse> buses;
+  for (const config::Bus& bus : model.buses) {
+    buses.push_back({std::make_unique<canopen::Bus>(executor, make_link(bus), settings_of(bus)), {}});
+  }
+  return buses;
+}
+
+std::vector<process::Plant::BusPort> Gateway::ports(const std::vector<BusInUse>& buses) {
+  std::vector<process::Plant::BusPort> ports;
+  for (const BusInUse& in_use : buses) {
+    ports.push_back({in_use.bus.get(), [bus = in_use.bus.get()] { return bus->statistics(); }});
+  }
+  return ports;
+}
+
+void Gateway::start() {
+  if (modbus_) {
+    modbus_->start();
+  }
+  if (mqtt_) {
+    mqtt_->start();
+  }
+  plant_.start();
+  for (BusInUse& in_use : buses_) {
+    in_use.bus->start();
+  }
+}
+
+boost::asio::awaitable<void> Gateway::stop() {
+  if (modbus_) {
+    co_await modbus_->stop();
+  }
+  if (mqtt_) {
+    co_await mqtt_->stop();
+  }
+  co_await plant_.stop();
+  for (BusInUse& in_use : buses_) {
+    co_await in_use.bus->stop();
+  }
+}
+
+}  // namespace gateway

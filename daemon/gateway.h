@@ -1,0 +1,56 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "bridges/modbus/server.h"
+#include "bridges/mqtt/bridge.h"
+#include "bridges/process/plant.h"
+#include "canopen/bus.h"
+#include "canopen/link.h"
+#include "config/model.h"
+#include "daemon/event_log.h"
+
+namespace gateway {
+
+/// Everything of one configuration, wired: buses, drives, bridges. `model` outlives it.
+class Gateway {
+ public:
+  using LinkFactory = std::function<std::unique_ptr<canopen::Link>(const config::Bus&)>;
+
+  Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link);
+  ~Gateway();
+  Gateway(const Gateway&) = delete;
+  Gateway& operator=(const Gateway&) = delete;
+
+  /// Opens the listeners and starts everything; waits for no interface, broker or drive.
+  /// Throws std::runtime_error where a listener cannot be opened.
+  void start();
+  /// The orderly end: says so on MQTT, answers what is pending, sends nothing to drives.
+  boost::asio::awaitable<void> stop();
+
+  [[nodiscard]] process::Plant& plant() noexcept { return plant_; }
+
+ private:
+  /// A bus, and what hears of its state. The subscription goes before the bus.
+  struct BusInUse {
+    std::unique_ptr<canopen::Bus> bus;
+    canopen::Subscription state;
+  };
+
+  static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,
+                                          const LinkFactory& make_link);
+  static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
+
+  std::vector<BusInUse> buses_;
+  process::Plant plant_;
+  EventLog event_log_;
+  std::unique_ptr<modbus::Server> modbus_;
+  std::unique_ptr<mqtt::Bridge> mqtt_;
+};
+
+}  // namespace gateway

@@ -1,0 +1,101 @@
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <exception>
+#include <iostream>
+#include <optional>
+
+#include "daemon/commands.h"
+
+namespace {
+
+std::optional<gateway::SimulatedDrive> parse_drive(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) {
+    return std::nullopt;
+  }
+  unsigned node = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data() + colon + 1, end, node);
+  if (error != std::errc{} || stopped != end || node < 1 || node > 127) {
+    return std::nullopt;
+  }
+  return gateway::SimulatedDrive{text.substr(0, colon), static_cast<std::uint8_t>(node)};
+}
+
+std::string check_drive(const std::string& text) {
+  return parse_drive(text) ? std::string{} : "\"" + text + "\" is not PROFILE:NODE with a node of 1..127";
+}
+
+struct CommandLine {
+  gateway::Options options;
+  std::string map_format = "table";
+  std::string interface;
+  std::vector<std::string> drives;
+};
+
+// Exits as the commands do; the value of the option tells whether --config was given.
+void describe(CLI::App& app, CommandLine& line) {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", GATEWAY_VERSION);
+  app.fallthrough();
+  app.add_option("--config", line.options.config, "The configuration file")->capture_default_str();
+  app.add_option("--profile-dir", line.options.profile_dirs, "A directory of profiles to look in first; repeatable")
+      ->allow_extra_args(false);
+  app.add_flag("--verbose", line.options.verbose, "Log debug messages too");
+
+  app.add_subcommand("run", "The daemon, in the foreground");
+  app.add_subcommand("check", "Validate the configuration and every profile it names");
+  CLI::App* const map = app.add_subcommand("map", "Every signal with its object, Modbus address and MQTT topics");
+  map->add_option("--format", line.map_format, "table, json, csv or markdown")
+      ->check(CLI::IsMember({"table", "json", "csv", "markdown"}))
+      ->capture_default_str();
+  CLI::App* const simulate = app.add_subcommand("simulate", "Simulated drives on a SocketCAN interface");
+  CLI::Option* const interface = simulate->add_option("--interface", line.interface, "The SocketCAN interface");
+  CLI::Option* const drives =
+      simulate->add_option("--drive", line.drives, "PROFILE:NODE; repeatable")->allow_extra_args(false);
+  drives->check(CLI::Validator(check_drive, "PROFILE:NODE"));
+  drives->needs(interface);
+  interface->needs(drives);
+  app.add_subcommand("demo", "Simulated drives of the four systems and the gateway, without CAN hardware");
+}
+
+int carry_out(const CLI::App& app, const CommandLine& line) {
+  if (app.got_subcommand("run")) {
+    return gateway::run(line.options);
+  }
+  if (app.got_subcommand("check")) {
+    return gateway::check(line.options);
+  }
+  if (app.got_subcommand("map")) {
+    return gateway::show_map(line.options, line.map_format);
+  }
+  if (app.got_subcommand("demo")) {
+    return gateway::demo(line.options);
+  }
+  std::vector<gateway::SimulatedDrive> drives;
+  for (const std::string& text : line.drives) {
+    drives.push_back(parse_drive(text).value());
+  }
+  return gateway::simulate(line.options, line.interface, drives);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    CLI::App app("CANopen master with Modbus TCP and MQTT", "canopen-gateway");
+    CommandLine line;
+    describe(app, line);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      const int code = app.exit(error);
+      return code == 0 ? gateway::kDone : gateway::kUsage;
+    }
+    line.options.config_given = app.count("--config") > 0;
+    return carry_out(app, line);
+  } catch (const std::exception& error) {
+    std::cerr << "canopen-gateway: " << error.what() << '\n';
+    return gateway::kFailed;
+  }
+}

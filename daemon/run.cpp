@@ -1,0 +1,61 @@
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "canopen/socketcan_link.h"
+#include "canopen/virtual_link.h"
+#include "daemon/commands.h"
+#include "daemon/gateway.h"
+#include "daemon/log.h"
+#include "daemon/stop_signal.h"
+#include "daemon/supervision.h"
+
+namespace gateway {
+namespace {
+
+boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, boost::asio::any_io_executor executor) {
+  co_await stop_signal(executor);
+  spdlog::info("stopping");
+  supervision.stopping();
+  co_await gateway.stop();
+}
+
+}  // namespace
+
+int run(const Options& options) {
+  const std::optional<config::Model> model = load_or_complain(options);
+  if (!model) {
+    return kConfigurationError;
+  }
+  const Log log(options.verbose);
+  boost::asio::io_context loop(1);
+  std::vector<std::unique_ptr<canopen::VirtualBus>> in_process;  // One for each bus that wants it.
+  Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) {
+    if (bus.interface == config::kVirtualInterface) {
+      return in_process.emplace_back(std::make_unique<canopen::VirtualBus>(loop.get_executor()))->connect();
+    }
+    return canopen::make_socketcan_link(loop.get_executor(), bus.interface, [name = bus.name](const std::string& text) {
+      spdlog::warn("bus {}: {}", name, text);
+    });
+  });
+  gateway.start();
+  Supervision supervision(loop.get_executor(), gateway.plant());
+  supervision.ready();
+  spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),
+               model->gateway.name);
+  boost::asio::co_spawn(loop, serve(gateway, supervision, loop.get_executor()), [&](const std::exception_ptr& error) {
+    if (error) {
+      std::rethrow_exception(error);
+    }
+    loop.stop();
+  });
+  loop.run();
+  spdlog::info("stopped; {} log messages were dropped", Log::dropped());
+  return kDone;
+}
+
+}  // namespace gateway

@@ -1,0 +1,22 @@
+#include <iostream>
+
+#include "config/map.h"
+#include "daemon/commands.h"
+
+namespace gateway {
+
+int show_map(const Options& options, const std::string& format) {
+  const std::optional<config::Model> model = load_or_complain(options);
+  if (!model) {
+    return kConfigurationError;
+  }
+  const std::optional<config::MapFormat> wanted = config::parse_map_format(format);
+  if (!wanted) {
+    std::cerr << "unknown format " << format << '\n';
+    return kUsage;
+  }
+  std::cout << config::render_map(*model, *wanted);
+  return kDone;
+}
+
+}  // namespace gateway

@@ -1,0 +1,52 @@
+#include "daemon/simulated_site.h"
+
+#include <iostream>
+#include <stdexcept>
+#include <utility>
+
+namespace gateway {
+
+SimulatedSite::SimulatedSite(boost::asio::any_io_executor executor)
+    : executor_(executor), reader_(std::move(executor), [this](std::string_view line) {
+        if (const std::string answer = console_.execute(line); !answer.empty()) {
+          std::cout << answer << std::endl;
+        }
+      }) {}
+
+std::size_t SimulatedSite::add_network(std::unique_ptr<canopen::Link> link) {
+  networks_.push_back(std::make_unique<simulator::Network>(executor_, std::move(link)));
+  return networks_.size() - 1;
+}
+
+void SimulatedSite::add_drive(std::size_t network, std::string_view kind, std::uint8_t node) {
+  std::unique_ptr<simulator::Drive> drive = simulator::make_drive(kind, node, *networks_.at(network));
+  if (!drive) {
+    throw std::runtime_error(simulator::why_no_drive(kind, node));
+  }
+  if (!console_.add(*drive)) {
+    throw std::runtime_error("node " + std::to_string(node) + " is simulated already; give each drive its own node");
+  }
+  drives_.push_back(std::move(drive));
+}
+
+void SimulatedSite::start() {
+  for (const auto& network : networks_) {
+    network->open();
+  }
+  for (const auto& drive : drives_) {
+    drive->power_on();
+  }
+  reader_.start();
+}
+
+void SimulatedSite::stop() {
+  reader_.stop();
+  for (const auto& drive : drives_) {
+    drive->power_off();
+  }
+  for (const auto& network : networks_) {
+    network->close();
+  }
+}
+
+}  // namespace gateway

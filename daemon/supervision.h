@@ -1,0 +1,34 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <string>
+
+#include "bridges/process/plant.h"
+#include "canopen/clock.h"
+
+namespace gateway {
+
+/// What the service manager hears of us (sd_notify(3)): ready, stopping, a status line with the drives online, and a
+/// sign of life that only a turning loop gives. Without systemd nothing is said.
+class Supervision {
+ public:
+  Supervision(boost::asio::any_io_executor executor, const process::Plant& plant);
+
+  /// After configuration and listeners; never waits for interface, broker or drives.
+  void ready();
+  void stopping();
+
+ private:
+  void tick();
+
+  const process::Plant& plant_;
+  canopen::Timer timer_;
+  canopen::Duration period_;
+  bool watched_ = false;
+  std::string told_;
+};
+
+/// `3 of 4 drives online, 1 with an alarm`
+[[nodiscard]] std::string status_line(const process::Plant& plant);
+
+}  // namespace gateway

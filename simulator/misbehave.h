@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "canopen/clock.h"
+#include "canopen/frame.h"
+
+namespace simulator {
+
+/// How a drive spoils its SDO answers.
+enum class SdoFlaw : std::uint8_t {
+  none,
+  foreign_index,      ///< The answer names the next index.
+  foreign_sub_index,  ///< The answer names the next sub-index.
+  wrong_toggle,       ///< Segment answers carry the other toggle bit; others are left alone.
+  unknown_command,    ///< A command specifier CiA 301 does not know.
+  abort               ///< Every request is refused with `abort_code`.
+};
+
+/// What is wrong with a drive, on request. Everything off: the drive behaves.
+struct Misbehaviour {
+  bool mute = false;               ///< Sends nothing, still hears.
+  bool unplugged = false;          ///< Neither sends nor hears, as if its cable were pulled.
+  bool heartbeat_stopped = false;  ///< No heartbeat and no guarding answer.
+  bool boot_up_missing = false;    ///< Sends no boot-up frame.
+
+  canopen::Duration sdo_delay{};  ///< Between request and answer.
+  bool sdo_short = false;         ///< Answers are cut to the bytes they need.
+  SdoFlaw sdo_flaw = SdoFlaw::none;
+  std::uint32_t abort_code = 0x08000000;    ///< For SdoFlaw::abort.
+  std::optional<std::uint32_t> flaws_left;  ///< Answers still to be spoilt; without a value: all.
+  std::uint32_t sdo_drops_left = 0;         ///< Requests still to be left without an answer.
+
+  std::optional<std::uint8_t> tpdo_length;       ///< 0..8: every TPDO is cut or filled with zeros to it.
+  std::optional<std::uint8_t> sdo_length;        ///< The same for SDO answers.
+  std::optional<std::uint8_t> heartbeat_length;  ///< The same for heartbeats and boot-up frames.
+  std::optional<std::uint8_t> emcy_length;       ///< The same for EMCY.
+};
+
+/// `frame` with `length` data bytes, cut or filled with zeros.
+[[nodiscard]] canopen::Frame with_length(const canopen::Frame& frame, std::optional<std::uint8_t> length);
+
+/// The SDO answer as the drive's misbehaviour has it; counts down `flaws_left`.
+[[nodiscard]] canopen::Frame spoil_sdo_answer(const canopen::Frame& request, canopen::Frame answer,
+                                              Misbehaviour& misbehaviour);
+
+}  // namespace simulator

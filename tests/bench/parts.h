@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+// The parts of the benchmark. Each prints its ratios; throws std::runtime_error where it cannot measure.
+
+namespace bench {
+
+/// Frames per second from a SocketCAN interface to the process image, against a bare recvmmsg loop.
+void frames(const std::string& interface);
+/// Requests per second with 1 and 8 clients, against a bare libmodbus reply loop.
+void modbus();
+/// Messages per second at a subscriber, against bare Paho publishing the same messages.
+void mqtt();
+
+}  // namespace bench

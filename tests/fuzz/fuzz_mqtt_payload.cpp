@@ -1,0 +1,77 @@
+// Payloads of commands and of retained alarms: whatever the bytes, a value or an error, and what was read is written
+// and read again the same.
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "bridges/mqtt/alarm_json.h"
+#include "bridges/mqtt/answers.h"
+#include "bridges/mqtt/command.h"
+#include "bridges/mqtt/topics.h"
+#include "tests/unit/mqtt/site.h"
+
+namespace {
+
+void require(bool holds) {
+  if (!holds) {
+    std::abort();
+  }
+}
+
+void answer(const mqtt::Parsed& parsed, const canopen::Result<void>& outcome) {
+  const mqtt::ReplyTo to{.topic = "r", .command_topic = "t", .id = parsed.id};
+  const mqtt::Message message = mqtt::command_answer(to, outcome);
+  const auto read = mqtt::parse_flat(message.payload);
+  require(read.has_value());  // every answer is JSON, whatever it quotes
+}
+
+void commands(std::string_view text) {
+  static const config::Drive drive = mqtt::test::pump1();
+  const mqtt::Parsed value = mqtt::parse_value(text);
+  if (value.members.has_value()) {
+    for (std::size_t signal = 0; signal < drive.signals.size(); ++signal) {
+      const auto field = mqtt::field_of(drive, signal, value.members.value().front().second);
+      answer(value, field.has_error() ? canopen::Result<void>(field.error()) : canopen::Result<void>());
+    }
+    (void)mqtt::nmt_command_of(value.members.value());
+  } else {
+    answer(value, value.members.error());
+  }
+  const mqtt::Parsed object = mqtt::parse_object_payload(text);
+  if (object.members.has_value()) {
+    const auto fields = mqtt::fields_of(drive, object.members.value());
+    answer(object, fields.has_error() ? canopen::Result<void>(fields.error()) : canopen::Result<void>());
+    const auto request = mqtt::sdo_request_of(object.members.value());
+    answer(object, request.has_error() ? canopen::Result<void>(request.error()) : canopen::Result<void>());
+  }
+}
+
+void alarms(std::string_view text) {
+  const auto alarm = mqtt::parse_alarm(text);
+  if (alarm) {
+    const auto again = mqtt::parse_alarm(mqtt::alarm_json(*alarm));
+    require(again.has_value() && mqtt::alarm_json(*again) == mqtt::alarm_json(*alarm));
+  }
+}
+
+void topics(std::string_view text) {
+  static const config::Model model = mqtt::test::model();
+  static const mqtt::Topics topics(model, "canopen", "line3");
+  (void)topics.route(text);
+  const std::string below = "canopen/line3/" + std::string(text);
+  if (const auto route = topics.route(below)) {
+    require(route->kind == mqtt::Route::Kind::alarm || topics.refused_as_response(below));
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string text(data, data + size);
+  commands(text);
+  alarms(text);
+  topics(text);
+  return 0;
+}

@@ -1,0 +1,160 @@
+#include "tests/rooms/include_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <sstream>
+
+namespace rooms {
+namespace {
+
+using Headers = std::span<const std::string_view>;
+
+/// A room and what of other rooms it may include: a header, or a whole folder with a slash at its end.
+struct Room {
+  std::string_view folder;
+  Headers allowed;
+};
+
+// Plain values: what a profile says about a node, and how it is named.
+constexpr std::array<std::string_view, 5> kConfig{"canopen/clock.h", "canopen/emcy.h", "canopen/error.h",
+                                                  "canopen/node_settings.h", "canopen/object.h"};
+// The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
+constexpr std::array<std::string_view, 13> kProcess{
+    "config/model.h",  "canopen/remote_node.h", "canopen/node_events.h", "canopen/node_settings.h", "canopen/object.h",
+    "canopen/error.h", "canopen/clock.h",       "canopen/bus_state.h",   "canopen/nmt.h",           "canopen/emcy.h",
+    "canopen/event.h", "canopen/wake_up.h",     "canopen/hex.h"};
+constexpr std::array<std::string_view, 5> kBridge{"bridges/process/", "config/model.h", "canopen/clock.h",
+                                                  "canopen/error.h", "canopen/object.h"};
+// Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
+constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus_state.h",    "canopen/clock.h",
+                                                     "canopen/frame.h",        "canopen/link.h",
+                                                     "canopen/virtual_link.h", "canopen/socketcan_link.h"};
+// The only one that knows the loader.
+constexpr std::array<std::string_view, 6> kDaemon{"canopen/",        "config/",       "bridges/process/",
+                                                  "bridges/modbus/", "bridges/mqtt/", "simulator/"};
+
+constexpr std::array<Room, 7> kRooms{{{"canopen/", {}},
+                                      {"config/", kConfig},
+                                      {"bridges/process/", kProcess},
+                                      {"bridges/modbus/", kBridge},
+                                      {"bridges/mqtt/", kBridge},
+                                      {"simulator/", kSimulator},
+                                      {"daemon/", kDaemon}}};
+
+const Room* room_of(std::string_view path) {
+  const auto* const room =
+      std::find_if(kRooms.begin(), kRooms.end(), [&](const Room& each) { return path.starts_with(each.folder); });
+  return room == kRooms.end() ? nullptr : room;
+}
+
+bool allows(const Room& room, std::string_view included) {
+  const auto covers = [&](std::string_view rule) {
+    return rule.ends_with('/') ? included.starts_with(rule) : included == rule;
+  };
+  return included.starts_with(room.folder) || std::any_of(room.allowed.begin(), room.allowed.end(), covers);
+}
+
+struct Include {
+  std::string_view name;
+  bool quoted = false;
+};
+
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t start = text.find_first_not_of(" \t");
+  return start == std::string_view::npos ? std::string_view{} : text.substr(start);
+}
+
+std::optional<Include> parse_include(std::string_view line) {
+  line = without_blanks(line);
+  if (!line.starts_with('#')) {
+    return std::nullopt;
+  }
+  line = without_blanks(line.substr(1));
+  constexpr std::string_view kDirective = "include";
+  if (!line.starts_with(kDirective)) {
+    return std::nullopt;
+  }
+  line = without_blanks(line.substr(kDirective.size()));
+  if (line.empty() || (line.front() != '"' && line.front() != '<')) {
+    return std::nullopt;
+  }
+  const bool quoted = line.front() == '"';
+  const std::size_t end = line.find(quoted ? '"' : '>', 1);
+  return Include{line.substr(1, end == std::string_view::npos ? end : end - 1), quoted};
+}
+
+/// Empty where the include is in order.
+std::string objection(const Room& room, const Include& include) {
+  if (include.name.starts_with("tests/")) {
+    return "no room may include a test";
+  }
+  const Room* target = room_of(include.name);
+  if (target == nullptr) {
+    return include.quoted ? "is no header of a room, named from the project's root" : "";
+  }
+  if (!allows(room, include.name)) {
+    return std::string(room.folder) + " may not include this of " + std::string(target->folder);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string to_string(const Violation& violation) {
+  return violation.file + ":" + std::to_string(violation.line) + ": \"" + violation.included +
+         "\": " + violation.reason;
+}
+
+std::vector<std::string> room_names() {
+  std::vector<std::string> names;
+  for (const Room& room : kRooms) {
+    names.emplace_back(room.folder.substr(0, room.folder.size() - 1));
+  }
+  return names;
+}
+
+std::vector<Violation> check_text(std::string_view file, std::string_view text) {
+  std::vector<Violation> found;
+  const Room* room = room_of(file);
+  if (room == nullptr) {
+    return found;
+  }
+  std::istringstream lines{std::string(text)};
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::optional<Include> include = parse_include(line);
+    if (!include) {
+      continue;
+    }
+    std::string reason = objection(*room, *include);
+    if (!reason.empty()) {
+      found.push_back({std::string(file), number, std::string(include->name), std::move(reason)});
+    }
+  }
+  return found;
+}
+
+std::vector<Violation> check_tree(const std::filesystem::path& root, std::size_t& files_read) {
+  std::vector<Violation> found;
+  for (const std::string& room : room_names()) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
+      const std::string extension = entry.path().extension().string();
+      if (!entry.is_regular_file() || (extension != ".h" && extension != ".cpp")) {
+        continue;
+      }
+      ++files_read;
+      std::ifstream stream(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(stream), {}};
+      const std::vector<Violation> in_file =
+          check_text(std::filesystem::relative(entry.path(), root).generic_string(), text);
+      found.insert(found.end(), in_file.begin(), in_file.end());
+    }
+  }
+  return found;
+}
+
+}  // namespace rooms

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "canopen/transmit_queue.h"
+
+namespace support {
+
+/// A kernel that takes what it is told to take.
+class FakeLink final : public canopen::Link {
+ public:
+  void open(canopen::LinkEvents&) override {}
+  void close() override {}
+  canopen::SendResult send(const canopen::Frame& frame) override {
+    if (result == canopen::SendResult::handed_over) {
+      sent.push_back(frame);
+    }
+    return result;
+  }
+
+  canopen::SendResult result = canopen::SendResult::handed_over;
+  std::vector<canopen::Frame> sent;
+};
+
+inline canopen::Frame frame(std::uint32_t id, std::uint8_t content = 0) {
+  const std::array bytes{content};
+  return canopen::make_frame(id, bytes);
+}
+
+class TransmitQueueFixture : public ::testing::Test {
+ protected:
+  TransmitQueueFixture() { queue.on_bus(true); }
+
+  /// A command and what became of it.
+  struct Command {
+    std::optional<canopen::Departure> departure;
+    canopen::TransmitQueue::Ticket ticket = 0;
+  };
+  void push_command(Command& command, const canopen::Frame& content,
+                    canopen::Duration deadline = std::chrono::milliseconds(800)) {
+    command.ticket = queue.push_command(
+        content, now + deadline,
+        [&command](canopen::Departure departure) {
+          EXPECT_FALSE(command.departure) << "answered twice";
+          command.departure = departure;
+        },
+        now);
+    queue.service(now);
+  }
+  void push(const canopen::Frame& content) {
+    EXPECT_TRUE(queue.push(content, now));
+    queue.service(now);
+  }
+  void echo(const canopen::Frame& content) {
+    queue.on_echo(content, now);
+    queue.service(now);
+  }
+  void see_life() {
+    queue.on_received(now);
+    queue.service(now);
+  }
+  /// Moves time on, and calls the queue whenever it wanted to be called.
+  void advance(canopen::Duration by) {
+    const canopen::TimePoint end = now + by;
+    while (const auto next = queue.next_time()) {
+      if (*next > end) {
+        break;
+      }
+      ASSERT_GE(*next, now) << "the queue asks for a moment in the past";
+      now = *next;
+      queue.service(now);
+    }
+    now = end;
+    queue.service(now);
+  }
+  [[nodiscard]] std::vector<std::uint32_t> sent_ids() const {
+    std::vector<std::uint32_t> ids;
+    for (const canopen::Frame& sent : link.sent) {
+      ids.push_back(sent.id);
+    }
+    return ids;
+  }
+
+  FakeLink link;
+  canopen::TransmitQueue queue{link};
+  canopen::TimePoint now{std::chrono::hours(1)};
+};
+
+}  // namespace support

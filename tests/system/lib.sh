@@ -1,0 +1,144 @@
+# Shared by the system tests: the real program on real SocketCAN, a real broker, and independent clients.
+# Each test sources this inside tests/vcan/run. Every wait has a bound; a failed expectation ends the test.
+set -u
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+gateway_bin=${GATEWAY_BIN:?the canopen-gateway executable}
+work=$(mktemp -d /tmp/gateway-system.XXXXXX)
+broker_port=1883
+modbus_port=1502
+topics=canopen/line3
+declare -A started=()
+checks=0
+
+say() { printf '%s %s\n' "$(date +%T.%3N)" "$*"; }
+
+fail() {
+  say "FAILED: $*"
+  for log in "$work"/*.err; do
+    [ -s "$log" ] && { echo "--- ${log##*/}"; tail -n 40 "$log"; }
+  done
+  exit 1
+}
+
+finish() {
+  local code=$?
+  for pid in "${started[@]}"; do kill "$pid" 2>/dev/null; done
+  wait 2>/dev/null
+  [ "$code" = 0 ] && say "passed, $checks expectations"
+  exit "$code"
+}
+trap finish EXIT
+
+# launch NAME COMMAND…: in the background; output to $work/NAME.out and NAME.err
+launch() {
+  local name=$1
+  shift
+  "$@" </dev/null >"$work/$name.out" 2>"$work/$name.err" &
+  started[$name]=$!
+}
+
+# wait_until SECONDS WHAT COMMAND…: until the command succeeds
+wait_until() {
+  local limit=$1 what=$2 end
+  shift 2
+  end=$(($(date +%s%N) + ${limit%.*} * 1000000000))
+  until "$@" >/dev/null 2>&1; do
+    [ "$(date +%s%N)" -lt "$end" ] || fail "not within $limit s: $what"
+    sleep 0.05
+  done
+  checks=$((checks + 1))
+}
+
+# expect WHAT EXPECTED ACTUAL: equal text
+expect() {
+  [ "$2" = "$3" ] || fail "$1: expected '$2', got '$3'"
+  checks=$((checks + 1))
+}
+
+# expect_match WHAT PATTERN ACTUAL: an extended regular expression
+expect_match() {
+  grep -Eq -- "$2" <<<"$3" || fail "$1: expected to match '$2', got '$3'"
+  checks=$((checks + 1))
+}
+
+start_broker() {
+  printf 'listener %s 127.0.0.1\nallow_anonymous true\n' "$broker_port" >"$work/mosquitto.conf"
+  launch mosquitto mosquitto -c "$work/mosquitto.conf"
+  wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/127.0.0.1/$broker_port"
+}
+
+# Every message the broker hands out, from now on: TIME TOPIC PAYLOAD
+start_witness() {
+  launch witness mosquitto_sub -h 127.0.0.1 -p "$broker_port" -F '%U %r %t %p' -t '#'
+}
+
+# The frames on the bus, with the kernel's time, in candump's log format.
+start_trace() {
+  launch candump candump -L vcan0
+  wait_until 5 "candump runs" kill -0 "${started[candump]}"
+}
+
+trace() { cat "$work/candump.out"; }
+trace_length() { wc -l <"$work/candump.out"; }
+# Lines of the trace after line N.
+trace_since() { tail -n +"$(($1 + 1))" "$work/candump.out"; }
+
+# Simulated drives with a console: order NODE VERB … makes one misbehave.
+start_drives() {
+  [ -p "$work/orders" ] || mkfifo "$work/orders"
+  exec 7<>"$work/orders"
+  "$gateway_bin" simulate --interface vcan0 "$@" <"$work/orders" >"$work/simulate.out" 2>"$work/simulate.err" &
+  started[simulate]=$!
+  wait_until 10 "the simulator answers" grep -q simulated "$work/simulate.out"
+}
+
+order() {
+  local before
+  before=$(wc -l <"$work/simulate.out")
+  printf '%s\n' "$*" >&7
+  wait_until 5 "the simulator takes '$*'" bash -c "[ \$(wc -l <'$work/simulate.out') -gt $before ]"
+  tail -n +"$((before + 1))" "$work/simulate.out" | grep -q '^error' && fail "simulator: $*: $(tail -n 1 "$work/simulate.out")"
+  return 0
+}
+
+# What a drive says of itself: show NODE NAME
+drive_says() {
+  local before
+  before=$(wc -l <"$work/simulate.out")
+  printf '%s show\n' "$1" >&7
+  wait_until 5 "node $1 shows itself" bash -c "[ \$(wc -l <'$work/simulate.out') -gt $before ]"
+  tail -n 1 "$work/simulate.out" | tr ' ' '\n' | sed -n "s/^$2=//p"
+}
+
+start_gateway() {
+  launch gateway "$gateway_bin" run --config "$work/gateway.toml" --profile-dir "$root/config/profiles"
+}
+
+# read_register UNIT ADDRESS: the number, or mbpoll's words for the exception
+read_register() {
+  mbpoll -m tcp -p "$modbus_port" -a "$1" -0 -t 4 -r "$2" -1 -o 3 127.0.0.1 2>&1 |
+    sed -n -e 's/^\[[0-9]*\]:[[:space:]]*\(-\{0,1\}[0-9]*\).*/\1/p' -e 's/.*failed: \(.*\)/\1/p'
+}
+
+# write_registers UNIT ADDRESS VALUE…: "written", or mbpoll's words for the exception
+write_registers() {
+  local unit=$1 address=$2
+  shift 2
+  mbpoll -m tcp -p "$modbus_port" -a "$unit" -0 -t 4 -r "$address" -1 -o 3 127.0.0.1 -- "$@" 2>&1 |
+    sed -n -e 's/^Written.*/written/p' -e 's/.*failed: \(.*\)/\1/p'
+}
+
+# retained TOPIC: what the broker keeps there
+retained() { mosquitto_sub -h 127.0.0.1 -p "$broker_port" -C 1 -W 2 -t "$topics/$1" 2>/dev/null; }
+
+# field TOPIC JQ-EXPRESSION: of a retained JSON
+field() { retained "$1" | jq -r "$2"; }
+
+is_retained() { [ "$(retained "$1")" = "$2" ]; }
+field_is() { [ "$(field "$1" "$2")" = "$3" ]; }
+register_is() { [ "$(read_register "$1" "$2")" = "$3" ]; }
+
+# ask TOPIC PAYLOAD: sends it with a response topic and prints the answer
+ask() {
+  mosquitto_rr -V 5 -h 127.0.0.1 -p "$broker_port" -W 5 -t "$topics/$1" -e "answers/$RANDOM$RANDOM" -m "$2"
+}

@@ -1,0 +1,61 @@
+#!/bin/bash
+# The gateway is killed while a motor runs, and starts again: nothing is sent to the drive, and its values are live at
+# once. The broker restarts, too. Run inside tests/vcan/run.
+. "$(dirname "$0")/lib.sh"
+cp "$root/tests/system/gateway.toml" "$work/gateway.toml"
+
+start_broker
+start_trace
+start_gateway
+start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+wait_until 10 "all four drives online" register_is 0 2 4
+wait_until 10 "connected to the broker" register_is 0 4 1
+
+say "a motor runs"
+expect_match "run" '"ok":true' \
+  "$(ask pump1/set '{"frequency_command":30.0,"torque_command":0.0,"control_command":1}')"
+wait_until 10 "30 Hz" register_is 5 2 3000
+order 3 fault 0x0006
+wait_until 5 "an alarm stands" field_is fan1/alarm/emcy .active true
+alarm=$(field fan1/alarm/emcy .id)
+
+say "kill -9 and start again"
+kill -9 "${started[gateway]}"
+wait "${started[gateway]}" 2>/dev/null
+wait_until 5 "the will says so" is_retained status offline
+frames=$(trace_length)
+begin=$(date +%s%3N)
+start_gateway
+wait_until 5 "values live again" register_is 5 2 3000
+say "values live again after $(($(date +%s%3N) - begin)) ms, the start of the program included"
+wait_until 5 "all four online" register_is 0 2 4
+say "all four drives online after $(($(date +%s%3N) - begin)) ms"
+wait_until 5 "MQTT too" is_retained pump1/status online
+wait_until 5 "MQTT values" is_retained pump1/output_frequency 30.00
+expect "no NMT command" "" "$(trace_since "$frames" | grep -E ' 000#')"
+expect "no RPDO" "" "$(trace_since "$frames" | grep -E ' [2-5]0[3579]#')"
+expect "no SDO write" "" "$(trace_since "$frames" | grep -E ' 60[3579]#2')"
+expect "the motor still runs" 30.00 "$(drive_says 5 frequency_hz)"
+wait_until 5 "the alarm is confirmed again" field_is fan1/alarm/emcy .confirmed true
+expect "it is active" true "$(field fan1/alarm/emcy .active)"
+expect "and still the same alarm" "$alarm" "$(field fan1/alarm/emcy .id)"
+
+say "a set-point does not carry the old run command"
+frames=$(trace_length)
+expect "set-point" written "$(write_registers 5 101 2500)"
+expect "no RPDO" "" "$(trace_since "$frames" | grep -E ' 205#')"
+expect "one SDO write" 1 "$(trace_since "$frames" | grep -cE ' 605#2B302001C4090000')"
+
+say "the broker restarts"
+kill "${started[mosquitto]}"
+wait "${started[mosquitto]}" 2>/dev/null
+wait_until 20 "the gateway notices" register_is 0 4 0
+frames=$(trace_length)
+start_broker
+wait_until 30 "connected again" register_is 0 4 1
+wait_until 5 "everything retained is there again" is_retained status online
+for drive in fan1 pump1 hoist1 mixer1; do
+  wait_until 5 "$drive" is_retained "$drive/status" online
+done
+wait_until 5 "the alarm" field_is fan1/alarm/emcy .active true
+expect "nothing was sent to a drive" "" "$(trace_since "$frames" | grep -E ' (000|[2-5]0[3579])#')"

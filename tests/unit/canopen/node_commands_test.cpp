@@ -1,0 +1,265 @@
+// Commands to a node in service: NMT, SDO, RPDO.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "canopen/remote_node.h"
+#include "tests/unit/canopen/node_bench.h"
+
+namespace canopen {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Spawned;
+
+class NodeCommandsTest : public NodeBench {
+ protected:
+  Spawned<Result<void>> command(NmtCommand command, Duration within = 800ms) {
+    return support::spawn(loop_.executor(), node_->command(command, Clock::now() + within));
+  }
+  Result<void> command_now(NmtCommand what) {
+    const auto sent = command(what);
+    loop_.advance(5ms);
+    EXPECT_TRUE(sent.done());
+    return sent.done() ? sent.get() : Result<void>(Error{});
+  }
+  Spawned<Result<void>> write(Raw raw, Duration within = 800ms) {
+    return support::spawn(loop_.executor(), node_->write(kControlWord, DataType::u16, raw, Clock::now() + within));
+  }
+  Spawned<Result<void>> rpdo(std::vector<ObjectValue> fields, Duration within = 800ms) {
+    return support::spawn(loop_.executor(), node_->send_rpdo(1, std::move(fields), Clock::now() + within));
+  }
+  Result<void> rpdo_now(std::vector<ObjectValue> fields) {
+    const auto sent = rpdo(std::move(fields));
+    loop_.advance(2ms);
+    EXPECT_TRUE(sent.done());
+    return sent.done() ? sent.get() : Result<void>(Error{});
+  }
+  static ObjectValue control(Raw raw) { return {kControlWord, DataType::u16, raw}; }
+  static ObjectValue target(Raw raw) { return {kTarget, DataType::i16, raw}; }
+  void expect_write_refused() {
+    const std::size_t heard = slave_.heard_on(0x605).size();
+    const auto writing = write(6);
+    loop_.settle();
+    ASSERT_TRUE(writing.done()) << "refused at once";
+    EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
+    EXPECT_EQ(slave_.heard_on(0x605).size(), heard);
+  }
+  /// The node loses its heartbeat.
+  void lose() {
+    slave_.unplug(true);
+    loop_.advance(2100ms);
+    ASSERT_TRUE(status().lost);
+    slave_.forget_heard();
+  }
+};
+
+TEST_F(NodeCommandsTest, StopByCommandIsNoSurprise) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(command_now(NmtCommand::stop).has_value());
+  loop_.advance(60s, 10ms);
+  EXPECT_EQ(status().nmt, NmtState::stopped);
+  EXPECT_TRUE(status().online);
+  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(2)});
+  const auto reading = support::spawn(loop_.executor(), node_->read(kControlWord, DataType::u16));
+  loop_.settle();
+  ASSERT_TRUE(reading.done());
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::offline);
+  ASSERT_TRUE(command_now(NmtCommand::start).has_value());
+  loop_.advance(1s);
+  EXPECT_EQ(status().nmt, NmtState::operational);
+  EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(2), nmt(1)}));
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
+TEST_F(NodeCommandsTest, PreOperationalByCommandOutlastsALoss) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  loop_.advance(1s);
+  lose();
+  slave_.unplug(false);
+  loop_.advance(5s);
+  EXPECT_TRUE(status().online);
+  EXPECT_EQ(status().nmt, NmtState::pre_operational);
+  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_TRUE(nmt_heard().empty());
+}
+
+TEST_F(NodeCommandsTest, QuickStopAndStartIsNoSurprise) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  ASSERT_TRUE(command_now(NmtCommand::start).has_value());
+  slave_.send(0x705, {0x7F});  // From between the two.
+  loop_.advance(2s);
+  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().nmt, NmtState::operational);
+}
+
+TEST_F(NodeCommandsTest, ResetByCommandIsFollowedByABoot) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(command_now(NmtCommand::reset_node).has_value());
+  EXPECT_FALSE(status().online);
+  ASSERT_TRUE(wait_online());
+  EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(129), nmt(1)}));
+  EXPECT_EQ(status().boot_ups, 2U);
+}
+
+TEST_F(NodeCommandsTest, ResetWithoutBootUpMessageIsFollowedByABootToo) {
+  bring_online(bench_settings());
+  slave_.ignore_nmt(true);
+  ASSERT_TRUE(command_now(NmtCommand::reset_node).has_value());
+  slave_.set_state(127);
+  slave_.ignore_nmt(false);
+  ASSERT_TRUE(wait_online());
+  EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(129), nmt(1)}));
+  EXPECT_EQ(status().boot_ups, 1U);
+}
+
+TEST_F(NodeCommandsTest, NmtCommandGoesToAMissingDriveButStartWaitsForItsBoot) {
+  install(bench_settings());
+  slave_.set_state(127);
+  bring_online(bench_settings());
+  lose();
+  slave_.unplug(false);
+  slave_.heartbeat_off(true);
+  slave_.mute_sdo(true);
+  slave_.forget_heard();
+  EXPECT_EQ(command_now(NmtCommand::start).error().kind, ErrorKind::offline);
+  slave_.send(0x706, {5});  // Commands leave only while the bus shows life.
+  EXPECT_TRUE(command_now(NmtCommand::reset_node).has_value());
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(129)});
+}
+
+TEST_F(NodeCommandsTest, WritesAreConfirmedByTheDrive) {
+  bring_online(bench_settings());
+  const auto writing = write(0x0F);
+  loop_.advance(2ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_TRUE(writing.get().has_value());
+  EXPECT_EQ(slave_.value(kControlWord), 0x0FU);
+}
+
+TEST_F(NodeCommandsTest, CommandThatWaitsAtABootUpNeverLeaves) {
+  bring_online(bench_settings());
+  slave_.mute_sdo(true);
+  const auto reading = support::spawn(loop_.executor(), node_->read(kTarget, DataType::i16));
+  const auto writing = write(0x0F);
+  loop_.advance(10ms);
+  slave_.mute_sdo(false);
+  slave_.boot_up();
+  loop_.advance(2ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
+  EXPECT_FALSE(writing.get().error().outcome_unknown);
+  loop_.advance(3s);
+  EXPECT_EQ(slave_.value(kControlWord), 0U);
+}
+
+TEST_F(NodeCommandsTest, RpdoNeedsEveryField) {
+  bring_online(bench_settings());
+  EXPECT_EQ(node_->rpdo_of(kTarget), 1U);
+  EXPECT_EQ(node_->rpdo_of({0x6041, 0}), 0U);
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+  node_->note_commanded(control(0x0F));
+  EXPECT_TRUE(rpdo_now({target(100)}).has_value());
+  ASSERT_EQ(slave_.heard_on(0x205).size(), 1U);
+  EXPECT_EQ(slave_.heard_on(0x205)[0], make_frame(0x205, std::vector<std::uint8_t>{0x0F, 0, 100, 0}));
+  node_->forget_commanded(kControlWord);
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+}
+
+TEST_F(NodeCommandsTest, RpdosAreBuiltOneAfterTheOther) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  const auto first = rpdo({target(200)});
+  const auto second = rpdo({control(0x06)});
+  loop_.advance(2ms);
+  ASSERT_TRUE(first.done() && second.done());
+  EXPECT_EQ(slave_.heard_on(0x205).back(), make_frame(0x205, std::vector<std::uint8_t>{0x06, 0, 200, 0}));
+}
+
+TEST_F(NodeCommandsTest, RpdosAreVoidAfterStandstillLossAndLeavingOperational) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  node_->void_rpdos();
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  ASSERT_TRUE(command_now(NmtCommand::start).has_value());
+  loop_.advance(1s);
+  ASSERT_EQ(status().nmt, NmtState::operational);
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  lose();
+  slave_.unplug(false);
+  ASSERT_TRUE(wait_online());
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+}
+
+TEST_F(NodeCommandsTest, StandstillWithdrawsAWaitingRpdoThatReliesOnAnEarlierCommand) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  slave_.forget_heard();
+  wire_.withhold_echoes(true);
+  const auto blocking = write(0x0F, 50ms);  // Of commands only one is in the kernel at a time.
+  const auto waiting = rpdo({target(200)});
+  loop_.settle();
+  node_->void_rpdos();
+  loop_.settle();
+  ASSERT_TRUE(waiting.done());
+  EXPECT_EQ(waiting.get().error().kind, ErrorKind::incomplete);
+  wire_.withhold_echoes(false);
+  loop_.advance(3s);
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+}
+
+TEST_F(NodeCommandsTest, SupervisedRpdoIsRepeatedUntilItIsVoid) {
+  NodeSettings settings = bench_settings();
+  settings.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online(settings);
+  loop_.advance(1s);
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  slave_.forget_heard();
+  loop_.advance(1s);
+  EXPECT_EQ(slave_.heard_on(0x205).size(), 10U);
+  node_->void_rpdos(true);
+  loop_.advance(1s);
+  EXPECT_EQ(slave_.heard_on(0x205).size(), 20U) << "a drive that came to a stop would trip otherwise";
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+  node_->void_rpdos();
+  loop_.advance(1s);
+  EXPECT_EQ(slave_.heard_on(0x205).size(), 20U);
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  slave_.boot_up();
+  slave_.forget_heard();
+  loop_.advance(2s);
+  ASSERT_TRUE(status().online);
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+}
+
+TEST_F(NodeCommandsTest, UnsupervisedRpdoIsNotRepeated) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  loop_.advance(5s);
+  EXPECT_EQ(slave_.heard_on(0x205).size(), 1U);
+}
+
+TEST_F(NodeCommandsTest, ReadIsRefusedAtOnceWhileNobodyAnswers) {
+  install(bench_settings());
+  slave_.unplug(true);
+  start(bench_settings());
+  loop_.advance(3s);
+  const auto reading = support::spawn(loop_.executor(), node_->read(kControlWord, DataType::u16));
+  loop_.settle();
+  ASSERT_TRUE(reading.done());
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::offline);
+  EXPECT_EQ(reading.get().error().node, kTestNode);
+}
+
+}  // namespace
+}  // namespace canopen

@@ -1,0 +1,152 @@
+// Setting up PDOs in the course of a boot: what is written, in which order, and what is taken for granted.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/unit/canopen/node_bench.h"
+
+namespace canopen {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Test;
+using Bytes = support::ScriptedSlave::Bytes;
+
+class PdoSetupTest : public NodeBench {
+ protected:
+  void boot(const NodeSettings& settings) {
+    start(settings);
+    slave_.boot_up();
+    loop_.advance(2s);
+  }
+  void expect_letter(char letter, const std::string& text_part) {
+    EXPECT_FALSE(status().online);
+    EXPECT_EQ(status().boot_result, letter) << static_cast<char>(status().boot_result) << " " << status().boot_text;
+    EXPECT_NE(status().boot_text.find(text_part), std::string::npos) << status().boot_text;
+    EXPECT_TRUE(nmt_heard().empty()) << "a node that could not be configured is not started";
+  }
+};
+
+TEST_F(PdoSetupTest, MappingIsWrittenInTheOrderOfTheStandard) {
+  install(bench_settings());
+  slave_.set({0x1A00, 2}, DataType::u32, 0x60430010);
+  boot(bench_settings());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.writes(),
+            (std::vector<ObjectAddress>{{0x1800, 1}, {0x1A00, 0}, {0x1A00, 1}, {0x1A00, 2}, {0x1A00, 0}, {0x1800, 1}}));
+  EXPECT_EQ(slave_.value({0x1A00, 2}), 0x60440010U);
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U) << "bit 30 is the drive's own";
+  EXPECT_TRUE(node_->tpdo_verified(1));
+}
+
+TEST_F(PdoSetupTest, OnlyDifferingParametersAreWrittenWhileThePdoIsInvalid) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  std::vector<std::uint64_t> valid;
+  slave_.on_write([&](ObjectAddress object) {
+    if (object == ObjectAddress{0x1800, 5}) {
+      valid.push_back(slave_.value({0x1800, 1}) >> 31U);
+    }
+  });
+  boot(bench_settings());
+  EXPECT_TRUE(status().online);
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}, {0x1800, 5}, {0x1800, 1}}));
+  EXPECT_EQ(valid, std::vector<std::uint64_t>{1});
+}
+
+TEST_F(PdoSetupTest, InvalidPdoWithAnotherCobIdIsCorrected) {
+  install(bench_settings());
+  slave_.set({0x1400, 1}, DataType::u32, 0x80000305);
+  boot(bench_settings());
+  EXPECT_TRUE(status().online);
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1400, 1}}));
+  EXPECT_EQ(slave_.value({0x1400, 1}), 0x205U);
+}
+
+TEST_F(PdoSetupTest, SubZeroThatTheDriveClearsItselfIsNoFailure) {
+  install(bench_settings());
+  slave_.set({0x1A00, 1}, DataType::u32, 0);
+  slave_.on_write([&](ObjectAddress object) {
+    if (object == ObjectAddress{0x1800, 1} && (slave_.value(object) >> 31U) != 0) {
+      slave_.set({0x1A00, 0}, DataType::u8, 0);
+    }
+  });
+  boot(bench_settings());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
+}
+
+TEST_F(PdoSetupTest, AbsentPdoObjectsMeanTheDocumentedDefault) {
+  install(bench_settings());
+  for (std::uint8_t sub = 0; sub <= 5; ++sub) {
+    slave_.remove({0x1800, sub});
+    slave_.remove({0x1A00, sub});
+  }
+  boot(bench_settings());
+  EXPECT_TRUE(status().online);
+  EXPECT_FALSE(node_->tpdo_verified(1));
+  ASSERT_EQ(events_.remarks.size(), 1U);
+  EXPECT_NE(events_.remarks[0].find("TPDO1"), std::string::npos);
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
+TEST_F(PdoSetupTest, AbsentMappingLeavesTheRestWritten) {
+  install(bench_settings());
+  slave_.remove({0x1A00, 0});
+  slave_.set({0x1800, 2}, DataType::u8, 1);
+  boot(bench_settings());
+  EXPECT_TRUE(status().online);
+  EXPECT_TRUE(node_->tpdo_verified(1));
+  EXPECT_EQ(slave_.value({0x1800, 2}), 255U);
+}
+
+TEST_F(PdoSetupTest, AbsentEventTimerLeavesTheTimingUnverified) {
+  install(bench_settings());
+  slave_.remove({0x1800, 5});
+  boot(bench_settings());
+  EXPECT_TRUE(status().online);
+  EXPECT_FALSE(node_->tpdo_verified(1));
+}
+
+TEST_F(PdoSetupTest, VerifyNeverWrites) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
+  install(settings);
+  slave_.set({0x1A00, 0}, DataType::u8, 1);
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  boot(settings);
+  expect_letter('J', "TPDO1 event timer: expected 100, found 0");
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
+TEST_F(PdoSetupTest, AssumeNeitherReadsNorWrites) {
+  NodeSettings settings = bench_settings();
+  settings.error_control.policy = SetupPolicy::assume;
+  for (PdoSettings* pdo : {&settings.tpdos[0], &settings.rpdos[0]}) {
+    pdo->communication = SetupPolicy::assume;
+    pdo->mapping_policy = SetupPolicy::assume;
+  }
+  slave_.set(kHeartbeatTime, DataType::u16, 500);
+  boot(settings);
+  EXPECT_TRUE(status().online);
+  EXPECT_TRUE(slave_.reads().empty());
+  EXPECT_TRUE(slave_.writes().empty());
+  EXPECT_FALSE(node_->tpdo_verified(1));
+}
+
+TEST_F(PdoSetupTest, MappingAloneKeepsTheCobIdAsItWas) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::assume;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0x40000285);
+  slave_.set({0x1A00, 0}, DataType::u8, 1);
+  boot(settings);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000285U);
+  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
+}
+
+}  // namespace
+}  // namespace canopen

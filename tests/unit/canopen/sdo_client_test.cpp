@@ -1,0 +1,221 @@
+// The SDO client over time: retries, deadlines, late answers, interruptions.
+
+#include <string>
+#include <vector>
+
+#include "tests/unit/canopen/sdo_bench.h"
+
+namespace canopen {
+namespace {
+
+using namespace std::chrono_literals;
+
+class SdoClientTest : public SdoBench {};
+
+TEST_F(SdoClientTest, SilenceAmongSegmentsIsAborted) {
+  slave_.script([](const Bytes& request) -> std::optional<Answers> {
+    if (request[0] == 0x40) {
+      return Answers{{0x41, 0x08, 0x10, 0x00, 10, 0, 0, 0}};
+    }
+    return Answers{};
+  });
+  use({.retries = 0});
+  const auto reading = support::spawn(loop_.executor(), client_->upload(kName));
+  loop_.advance(499ms);
+  EXPECT_FALSE(reading.done());
+  loop_.advance(2ms);
+  ASSERT_TRUE(reading.done());
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::timeout);
+  EXPECT_EQ(slave_.heard().back(), make_frame(0x605, Bytes{0x80, 0x08, 0x10, 0x00, 0x00, 0x00, 0x04, 0x05}));
+}
+
+TEST_F(SdoClientTest, ReadsAreTriedAgain) {
+  int requests = 0;
+  slave_.script([&requests](const Bytes&) -> std::optional<Answers> {
+    return ++requests < 3 ? Answers{} : Answers{{0x4B, 0x30, 0x20, 0x03, 7, 0, 0, 0}};
+  });
+  const auto reading = read(kStatus, DataType::u16);
+  loop_.advance(999ms);
+  EXPECT_FALSE(reading.done());
+  loop_.advance(3ms);
+  ASSERT_TRUE(reading.done());
+  EXPECT_EQ(reading.get().value(), 7U);
+  EXPECT_EQ(requests, 3);
+}
+
+TEST_F(SdoClientTest, SilenceIsATimeoutAfterTheRetries) {
+  slave_.mute_sdo(true);
+  const auto reading = read(kStatus, DataType::u16);
+  loop_.advance(1510ms);
+  ASSERT_TRUE(reading.done());
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::timeout);
+  EXPECT_EQ(reading.get().error().object, kStatus);
+  EXPECT_FALSE(reading.get().error().outcome_unknown);
+  EXPECT_FALSE(client_->answered());
+  EXPECT_EQ(slave_.heard_on(0x605).size(), 3U);
+}
+
+TEST_F(SdoClientTest, CommandIsSentOnceAndItsOutcomeUnknown) {
+  slave_.mute_sdo(true);
+  const auto writing = command(kCommand, 5);
+  loop_.advance(510ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::timeout);
+  EXPECT_TRUE(writing.get().error().outcome_unknown);
+  loop_.advance(3s);
+  EXPECT_EQ(slave_.heard_on(0x605).size(), 1U);
+}
+
+TEST_F(SdoClientTest, CommandEndsAtItsDeadline) {
+  slave_.mute_sdo(true);
+  const auto writing = command(kCommand, 5, 100ms);
+  loop_.advance(101ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_TRUE(writing.get().error().outcome_unknown);
+}
+
+TEST_F(SdoClientTest, CommandThatCannotBeginIsWithdrawn) {
+  slave_.mute_sdo(true);
+  const auto reading = read(kStatus, DataType::u16);
+  const auto writing = command(kCommand, 5, 100ms);
+  loop_.advance(101ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::timeout);
+  EXPECT_FALSE(writing.get().error().outcome_unknown);
+  loop_.advance(3s);
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
+TEST_F(SdoClientTest, CommandOnADeadBusIsOffline) {
+  wire_.set_state({BusCondition::bus_off, 0, 0});
+  loop_.settle();
+  const auto writing = command(kCommand, 5);
+  const auto reading = read(kStatus, DataType::u16);
+  loop_.advance(2ms);
+  ASSERT_TRUE(writing.done() && reading.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
+  EXPECT_FALSE(writing.get().error().outcome_unknown);
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::offline);
+  wire_.set_state({BusCondition::error_active, 0, 0});
+}
+
+TEST_F(SdoClientTest, RefusedCommandIsCertain) {
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.refuse_write(kCommand, 0x08000022);
+  const Result<void> result = command_now(kCommand, 5);
+  ASSERT_TRUE(result.has_error());
+  EXPECT_EQ(result.error().kind, ErrorKind::refused);
+  EXPECT_EQ(result.error().abort, 0x08000022U);
+  EXPECT_FALSE(result.error().outcome_unknown);
+}
+
+TEST_F(SdoClientTest, OneAtATimeInOrder) {
+  slave_.set({0x2000, 1}, DataType::u16, 1);
+  slave_.set({0x2000, 2}, DataType::u16, 2);
+  slave_.set({0x2000, 3}, DataType::u16, 3);
+  slave_.delay_answers(10ms);
+  const auto first = read({0x2000, 1}, DataType::u16);
+  const auto second = read({0x2000, 2}, DataType::u16);
+  const auto third = read({0x2000, 3}, DataType::u16);
+  loop_.advance(5ms);
+  EXPECT_EQ(slave_.reads().size(), 1U);
+  loop_.advance(10ms);
+  EXPECT_EQ(slave_.reads().size(), 2U);
+  loop_.advance(40ms);
+  ASSERT_TRUE(first.done() && second.done() && third.done());
+  EXPECT_EQ(first.get().value(), 1U);
+  EXPECT_EQ(second.get().value(), 2U);
+  EXPECT_EQ(third.get().value(), 3U);
+  EXPECT_EQ(slave_.reads(), (std::vector<ObjectAddress>{{0x2000, 1}, {0x2000, 2}, {0x2000, 3}}));
+}
+
+TEST_F(SdoClientTest, ForeignAndLateAnswersAreDropped) {
+  // The answer to another client's request, a segment out of the blue, then ours.
+  answer_with({{0x4B, 0x31, 0x20, 0x03, 9, 9, 0, 0},
+               {0x4B, 0x30, 0x20, 0x04, 9, 9, 0, 0},
+               {0x80, 0x30, 0x20, 0x04, 0, 0, 2, 6},
+               {0x00, 1, 2, 3, 4, 5, 6, 7},
+               {},
+               {0x4B, 0x30, 0x20, 0x03, 7, 0, 0, 0}});
+  EXPECT_EQ(read_now(kStatus, DataType::u16).value(), 7U);
+}
+
+TEST_F(SdoClientTest, LateAnswerToATimedOutRequestIsDropped) {
+  use({.retries = 0});
+  slave_.set(kStatus, DataType::u16, 1);
+  slave_.set(kCommand, DataType::u16, 2);
+  slave_.delay_answers(600ms);
+  const auto first = read(kStatus, DataType::u16);
+  loop_.advance(550ms);
+  ASSERT_TRUE(first.done());
+  EXPECT_EQ(first.get().error().kind, ErrorKind::timeout);
+  const auto second = read(kCommand, DataType::u16);
+  loop_.advance(100ms);  // The late answer arrives at 600 ms.
+  EXPECT_FALSE(second.done());
+  slave_.send(0x585, {0x4B, 0x30, 0x20, 0x02, 2, 0, 0, 0});
+  loop_.advance(1ms);
+  ASSERT_TRUE(second.done());
+  EXPECT_EQ(second.get().value(), 2U);
+}
+
+TEST_F(SdoClientTest, LateConfirmationNeverConfirmsTheNextCommand) {
+  slave_.set(kStatus, DataType::u16, 1);
+  slave_.set(kCommand, DataType::u16, 0);
+  static_cast<void>(read_now(kStatus, DataType::u16));  // An object known to be readable.
+  slave_.delay_answers(450ms);
+  const auto first = command(kCommand, 5, 300ms);
+  loop_.advance(301ms);
+  ASSERT_TRUE(first.done());
+  EXPECT_TRUE(first.get().error().outcome_unknown);
+  slave_.refuse_write(kCommand, 0x08000022);
+  const auto second = command(kCommand, 6, 2s);
+  loop_.advance(200ms);  // Here the first one's confirmation arrives.
+  EXPECT_FALSE(second.done());
+  loop_.advance(1s);
+  ASSERT_TRUE(second.done());
+  EXPECT_EQ(second.get().error().kind, ErrorKind::refused);
+  EXPECT_EQ(slave_.value(kCommand), 5U);
+}
+
+TEST_F(SdoClientTest, InterruptionFailsEverythingAndTheClientGoesOn) {
+  slave_.mute_sdo(true);
+  const auto reading = read(kStatus, DataType::u16);
+  const auto waiting = command(kCommand, 5);
+  loop_.advance(10ms);
+  const std::size_t heard = slave_.heard().size();
+  client_->interrupt();
+  loop_.advance(1ms);
+  ASSERT_TRUE(reading.done() && waiting.done());
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::offline);
+  EXPECT_EQ(waiting.get().error().kind, ErrorKind::offline);
+  EXPECT_FALSE(waiting.get().error().outcome_unknown);
+  EXPECT_EQ(slave_.heard().size(), heard);
+  slave_.mute_sdo(false);
+  slave_.set(kStatus, DataType::u16, 3);
+  EXPECT_EQ(read_now(kStatus, DataType::u16).value(), 3U);
+}
+
+TEST_F(SdoClientTest, InterruptedCommandThatHadBegunIsUnknown) {
+  slave_.mute_sdo(true);
+  const auto writing = command(kCommand, 5);
+  loop_.advance(10ms);
+  client_->interrupt();
+  loop_.advance(1ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
+  EXPECT_TRUE(writing.get().error().outcome_unknown);
+}
+
+TEST_F(SdoClientTest, CommandWithoutEchoIsConfirmedByItsAnswer) {
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.send(0x705, {5});  // The bus shows life.
+  loop_.advance(1ms);
+  wire_.withhold_echoes(true);
+  const auto writing = command(kCommand, 5);
+  loop_.advance(110ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_TRUE(writing.get().has_value());
+}
+
+}  // namespace
+}  // namespace canopen

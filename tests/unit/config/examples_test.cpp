@@ -1,0 +1,44 @@
+#include <gmock/gmock.h>
+
+#include "tests/unit/config/site.h"
+
+namespace config {
+namespace {
+
+Loaded load_shipped(const std::string& name) {
+  return load({.file = GATEWAY_SOURCE_DIR "/config/" + name, .profile_dirs = {kProfiles}, .host_name = "host"});
+}
+
+TEST(TheExample, IsAcceptedWithAllFourSystems) {
+  const Loaded loaded = load_shipped("gateway.example.toml");
+  ASSERT_TRUE(loaded.model.has_value()) << lines(loaded.findings);
+  EXPECT_EQ(loaded.model->drives.size(), 4U);
+  EXPECT_TRUE(summary(*loaded.model).starts_with("ok: 1 bus, 4 drives, "));
+}
+
+TEST(TheDemo, RunsTheFourSystemsOnABusInsideTheProcess) {
+  const Loaded loaded = load_shipped("demo.toml");
+  ASSERT_TRUE(loaded.model.has_value()) << lines(loaded.findings);
+  const Model& model = *loaded.model;
+  EXPECT_EQ(model.gateway.name, "demo");
+  EXPECT_EQ(model.buses.at(0).interface, kVirtualInterface);
+  EXPECT_EQ(model.modbus->listen, (std::vector<Endpoint>{{"127.0.0.1", 1502}}));
+  EXPECT_EQ(model.mqtt->broker, (Endpoint{"127.0.0.1", 1883}));
+  std::vector<std::string> profiles;
+  for (const Drive& drive : model.drives) {
+    profiles.push_back(drive.profile);
+    EXPECT_EQ(drive.commands.writers, (Writers{true, true, true})) << drive.name;
+    EXPECT_FALSE(drive.commands.raw);
+    for (const canopen::MappedObject& field : drive.node.rpdos.at(0).mapping) {
+      EXPECT_NE(field.use, canopen::FieldUse::unnamed) << drive.name;
+    }
+    for (const Signal& signal : drive.signals) {
+      const bool setpoint = writable(signal.access) && signal.name != "control_command";
+      EXPECT_TRUE(!setpoint || signal.max.has_value()) << drive.name << " " << signal.name;
+    }
+  }
+  EXPECT_THAT(profiles, testing::ElementsAre("veichi-ac300", "veichi-ac310", "invt-goodrive600", "vacon-opte6"));
+}
+
+}  // namespace
+}  // namespace config

@@ -1,0 +1,122 @@
+#include "config/map.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+
+#include "tests/unit/config/site.h"
+
+namespace config {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kOwn = R"(title = "t"
+[tpdo1]
+map = ["0x2021:02 u16"]
+[signals.output_frequency]
+object = "0x2021:02"
+type = "u16"
+scale = 0.01
+unit = "Hz"
+)";
+
+Model line3(const std::string& more = "") {
+  return model_of("[gateway]\nname = \"line3\"\n" + kBus + "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"own\"\n" +
+                      more,
+                  kOwn);
+}
+
+/// The text without the white space between its parts.
+std::string compact(const std::string& json) {
+  return boost::json::serialize(boost::json::parse(json));
+}
+
+TEST(MapAsJson, IsThatOfTheContract) {
+  const std::string text = render_map(line3(), MapFormat::json);
+  EXPECT_EQ(compact(text), compact(R"({"gateway": "line3", "base": "canopen/line3",
+ "drives": [{"name": "pump1", "bus": "can0", "node": 5, "profile": "own", "modbus_unit": 5,
+   "signals": [{"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz",
+                "access": "read", "source": "tpdo1", "min": null, "max": null, "values": null,
+                "modbus": {"kind": "register", "address": 2, "count": 1},
+                "mqtt": {"topic": "canopen/line3/pump1/output_frequency", "set": null}}]}]})"));
+  EXPECT_THAT(text, HasSubstr("\"scale\": 0.01,"));
+}
+
+TEST(MapAsJson, TellsWhatIsMissingByNull) {
+  const Model model = line3(R"(unit = "none"
+[drive.signals.control_command]
+object = "0x2000:01"
+type = "u8"
+access = "write"
+min = 0
+max = 2.0
+unit = "say \"go\""
+values = { 0 = "stop", 1 = "go \\ run" }
+[mqtt]
+base = "plant"
+)");
+  const auto root = boost::json::parse(render_map(model, MapFormat::json));
+  EXPECT_EQ(root.at("base").as_string(), "plant/line3");
+  const auto& drive = root.at("drives").at(0);
+  EXPECT_TRUE(drive.at("modbus_unit").is_null());
+  const auto& signals = drive.at("signals").as_array();
+  const auto* const found = std::find_if(signals.begin(), signals.end(), [](const auto& signal) {
+    return signal.at("name").as_string() == "control_command";
+  });
+  ASSERT_NE(found, signals.end());
+  const auto& signal = *found;
+  EXPECT_EQ(signal.at("unit").as_string(), "say \"go\"");
+  EXPECT_EQ(signal.at("access").as_string(), "write");
+  EXPECT_EQ(signal.at("source").as_string(), "sdo");
+  EXPECT_EQ(signal.at("max").to_number<double>(), 2.0);
+  EXPECT_EQ(signal.at("values").at("1").as_string(), "go \\ run");
+  EXPECT_TRUE(signal.at("modbus").is_null());
+  EXPECT_TRUE(signal.at("mqtt").at("topic").is_null());
+  EXPECT_EQ(signal.at("mqtt").at("set").as_string(), "plant/line3/pump1/control_command/set");
+}
+
+TEST(MapAsJson, ShowsBitsAndWideValues) {
+  const Model model = line3("[drive.signals.running]\nfrom = \"output_frequency\"\nmask = 1\n[drive.signals.x]\nobject = "
+                            "\"0x1\"\ntype = \"u32\"\naddress = 200\n[mqtt]\nsignals = false\n");
+  const auto root = boost::json::parse(render_map(model, MapFormat::json));
+  const auto& signals = root.at("drives").at(0).at("signals").as_array();
+  ASSERT_EQ(signals.size(), 3U);
+  EXPECT_EQ(signals[1].at("modbus").at("count").as_int64(), 2);
+  EXPECT_EQ(signals[2].at("type").as_string(), "bool");
+  EXPECT_EQ(signals[2].at("modbus").at("kind").as_string(), "bit");
+  EXPECT_TRUE(signals[0].at("mqtt").at("topic").is_null()) << "single topics are switched off";
+}
+
+TEST(MapAsTable, AlignsItsColumns) {
+  EXPECT_EQ(render_map(line3("[drive.signals.output_frequency]\nunit = \"°C\"\n"), MapFormat::table),
+            "drive  signal            object     type  scale  unit  access  source  min  max  modbus         topic       "
+            "                          set\n"
+            "pump1  output_frequency  0x2021:02  u16   0.01   °C    read    tpdo1             5: register 2  "
+            "canopen/line3/pump1/output_frequency\n");
+}
+
+TEST(MapAsCsv, QuotesWhatHasACommaOrAQuote) {
+  EXPECT_EQ(render_map(line3("[drive.signals.output_frequency]\nunit = \"a,\\\"b\"\n"), MapFormat::csv),
+            "drive,signal,object,type,scale,unit,access,source,min,max,modbus,topic,set\n"
+            "pump1,output_frequency,0x2021:02,u16,0.01,\"a,\"\"b\",read,tpdo1,,,5: register "
+            "2,canopen/line3/pump1/output_frequency,\n");
+}
+
+TEST(MapAsMarkdown, EscapesBars) {
+  const std::string text = render_map(line3("[drive.signals.output_frequency]\nunit = \"a|b\"\n"), MapFormat::markdown);
+  EXPECT_THAT(text, HasSubstr("| a\\|b |"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+}
+
+TEST(MapFormats, AreKnownByName) {
+  EXPECT_EQ(parse_map_format("table"), MapFormat::table);
+  EXPECT_EQ(parse_map_format("json"), MapFormat::json);
+  EXPECT_EQ(parse_map_format("csv"), MapFormat::csv);
+  EXPECT_EQ(parse_map_format("markdown"), MapFormat::markdown);
+  EXPECT_EQ(parse_map_format("xml"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace config

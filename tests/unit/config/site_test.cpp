@@ -1,0 +1,159 @@
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/unit/config/site.h"
+
+namespace config {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+TEST(Defaults, AreThoseOfTheContract) {
+  const Model model = model_of(kBus + kDrive + "[modbus]\n[mqtt]\n");
+  EXPECT_EQ(model.gateway.name, "host");
+  ASSERT_EQ(model.buses.size(), 1U);
+  EXPECT_EQ(model.buses[0].interface, "can0");
+  EXPECT_EQ(model.buses[0].bitrate, std::nullopt);
+  EXPECT_EQ(model.buses[0].node_id, 127);
+  EXPECT_EQ(model.buses[0].heartbeat, milliseconds(500));
+  EXPECT_EQ(model.buses[0].sync, canopen::Duration::zero());
+  ASSERT_EQ(model.drives.size(), 1U);
+  const Drive& drive = model.drives[0];
+  EXPECT_EQ(drive.name, "pump1");
+  EXPECT_EQ(drive.unit, 5);
+  EXPECT_EQ(drive.node.node, 5);
+  EXPECT_EQ(drive.node.gateway_node, 127);
+  EXPECT_EQ(drive.node.error_control.heartbeat, milliseconds(500));
+  EXPECT_EQ(drive.node.error_control.heartbeat_timeout, milliseconds(1500));
+  EXPECT_EQ(drive.node.error_control.supervise_gateway, canopen::Duration::zero());
+  EXPECT_FALSE(drive.node.reconfigure_running);
+  EXPECT_EQ(drive.commands, Commands());
+  EXPECT_EQ(drive.on_stale, OnStale::exception);
+  EXPECT_EQ(model.modbus, Modbus());
+  EXPECT_EQ(model.modbus->idle_timeout, minutes(10));
+  EXPECT_EQ(model.mqtt, Mqtt());
+  EXPECT_EQ(model.mqtt->max_interval, seconds(60));
+}
+
+TEST(Defaults, LeaveModbusAndMqttOff) {
+  const Model model = model_of(kBus + kDrive);
+  EXPECT_FALSE(model.modbus.has_value());
+  EXPECT_FALSE(model.mqtt.has_value());
+}
+
+TEST(Gateway, TakesTheHostsNameWithoutItsDomain) {
+  ProfileLibrary library({kProfiles});
+  const LoadOptions options{.file = "gateway.toml", .profile_dirs = {}, .host_name = "plant 3.example.org"};
+  EXPECT_EQ(load_text(kBus + kDrive, options, library).model.value_or(Model{}).gateway.name, "plant-3");
+}
+
+TEST(Gateway, NeedsANameWhereTheHostHasNone) {
+  ProfileLibrary library({kProfiles});
+  const LoadOptions options{.file = "gateway.toml", .profile_dirs = {}, .host_name = ""};
+  EXPECT_THAT(lines(load_text(kBus + kDrive, options, library).findings), HasSubstr("[gateway] name"));
+}
+
+TEST(Buses, HaveNamesAndInterfacesOfTheirOwn) {
+  const std::string two = "[[bus]]\nname = \"can0\"\n[[bus]]\nname = \"can1\"\ninterface = \"can0\"\n";
+  EXPECT_THAT(error_of(two + kDrive + "bus = \"can1\"\n"),
+              HasSubstr("5:13: error: bus \"can1\": interface \"can0\" is already that of bus \"can0\""));
+  EXPECT_THAT(lines(load_site(kBus + kBus + kDrive + "bus = \"can0\"\n").findings),
+              HasSubstr("4:8: error: bus \"can0\": there is another bus of this name"));
+  EXPECT_THAT(error_of("[[bus]]\nname = \"a\"\ninterface = \"a-name-that-is-too-long\"\n" + kDrive),
+              HasSubstr("is no interface name"));
+  const Model model = model_of("[[bus]]\nname = \"a\"\ninterface = \"virtual\"\n[[bus]]\nname = \"b\"\ninterface = "
+                               "\"virtual\"\n" + kDrive + "bus = \"b\"\n");
+  EXPECT_EQ(model.drives.at(0).bus, 1U);
+}
+
+TEST(Buses, MustBeNamedByADriveWhereThereAreSeveral) {
+  const std::string two = "[[bus]]\nname = \"can0\"\n[[bus]]\nname = \"can1\"\n";
+  EXPECT_THAT(error_of(two + kDrive), HasSubstr("5:1: error: drive \"pump1\": bus is missing"));
+  EXPECT_THAT(error_of(two + kDrive + "bus = \"can2\"\n"), HasSubstr("bus \"can2\" is not among the buses"));
+}
+
+TEST(ModbusServer, TakesItsKeys) {
+  const Model model = model_of(kBus + kDrive + R"([modbus]
+listen = ["127.0.0.1:1502", "[::1]:1502"]
+max_clients = 4
+idle_timeout = "30s"
+read_from = ["10.0.0.0/8"]
+write_from = ["192.168.1.7", "fe80::/10"]
+word_order = "little"
+on_stale = "hold"
+)");
+  ASSERT_TRUE(model.modbus.has_value());
+  EXPECT_EQ(model.modbus->listen, (std::vector<Endpoint>{{"127.0.0.1", 1502}, {"::1", 1502}}));
+  EXPECT_EQ(model.modbus->max_clients, 4U);
+  EXPECT_EQ(model.modbus->idle_timeout, seconds(30));
+  EXPECT_EQ(model.modbus->read_from, (std::vector<Network>{{"10.0.0.0", 8}}));
+  EXPECT_EQ(model.modbus->write_from, (std::vector<Network>{{"192.168.1.7", 32}, {"fe80::", 10}}));
+  EXPECT_EQ(model.modbus->word_order, WordOrder::little);
+  EXPECT_EQ(model.drives.at(0).on_stale, OnStale::hold);
+}
+
+TEST(ModbusServer, RefusesAddressesThatAreNone) {
+  const std::string site = kBus + kDrive + "[modbus]\n";
+  EXPECT_THAT(error_of(site + "listen = [\"0.0.0.0\"]\n"), HasSubstr("8:11: error: modbus.listen \"0.0.0.0\" must be"));
+  EXPECT_THAT(error_of(site + "listen = [\"::1:502\"]\n"), HasSubstr("must be an address and a port"));
+  EXPECT_THAT(error_of(site + "listen = [\"a:70000\"]\n"), HasSubstr("must be an address and a port"));
+  EXPECT_THAT(error_of(site + "listen = []\n"), HasSubstr("modbus.listen is empty"));
+  EXPECT_THAT(error_of(site + "write_from = [\"10.0.0.0/33\"]\n"), HasSubstr("must be a network"));
+  EXPECT_THAT(error_of(site + "write_from = [\"plc.local\"]\n"), HasSubstr("must be a network"));
+  EXPECT_THAT(error_of(site + "write_from = [\"192.168.1.7/24\"]\n"), HasSubstr("the network is \"192.168.1.0/24\""));
+}
+
+TEST(MqttClient, TakesItsKeysAndThePasswordFile) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "mqtt-password";
+  std::ofstream(file) << "secret\n";
+  const Model model = model_of(kBus + kDrive + "[mqtt]\nbrokers = [\"mqtt://broker.example:1884\"]\nbase = \"a/b\"\n"
+                               "qos = 0\nstate = false\nsignals = false\nmin_interval = \"0s\"\nmax_interval = "
+                               "\"10s\"\nusername = \"u\"\npassword_file = \"" + file.string() + "\"\n");
+  ASSERT_TRUE(model.mqtt.has_value());
+  EXPECT_EQ(model.mqtt->broker, (Endpoint{"broker.example", 1884}));
+  EXPECT_EQ(model.mqtt->base, "a/b");
+  EXPECT_EQ(model.mqtt->qos, 0);
+  EXPECT_FALSE(model.mqtt->state);
+  EXPECT_FALSE(model.mqtt->signals);
+  EXPECT_EQ(model.mqtt->min_interval, canopen::Duration::zero());
+  EXPECT_EQ(model.mqtt->username, "u");
+  EXPECT_EQ(model.mqtt->password, "secret");
+}
+
+TEST(MqttClient, RefusesWhatCannotWork) {
+  const std::string site = kBus + kDrive + "[mqtt]\n";
+  EXPECT_THAT(error_of(site + "username = \"u\"\npassword_file = \"/nowhere/p\"\n"),
+              HasSubstr("9:17: error: mqtt.password_file \"/nowhere/p\" cannot be read: no such file"));
+  EXPECT_THAT(error_of(site + "username = \"u\"\npassword_file = \"/dev/zero\"\n"), HasSubstr("not a file"));
+  EXPECT_THAT(lines(load_site(site + "password_file = \"/nowhere/p\"\n").findings), HasSubstr("needs username"));
+  EXPECT_THAT(error_of(site + "brokers = [\"tcp://a:1883\"]\n"), HasSubstr("must be mqtt://HOST:PORT"));
+  EXPECT_THAT(error_of(site + "brokers = [\"mqtt://u:p@a:1883\"]\n"), HasSubstr("must be mqtt://HOST:PORT"));
+  EXPECT_THAT(error_of(site + "brokers = []\n"), HasSubstr("mqtt.brokers is empty"));
+  EXPECT_THAT(error_of(site + "qos = 2\n"), HasSubstr("mqtt.qos 2 is out of range 0..1"));
+  EXPECT_THAT(error_of(site + "base = \"a/+\"\n"), HasSubstr("must be a topic"));
+  EXPECT_THAT(error_of(site + "base = \"\"\n"), HasSubstr("must be a topic"));
+  EXPECT_THAT(error_of(site + "min_interval = \"2min\"\n"), HasSubstr("max_interval is shorter"));
+}
+
+TEST(Models, OfOneTextAreEqual) {
+  const std::string text = kBus + kDrive + "[modbus]\n[mqtt]\n";
+  EXPECT_EQ(model_of(text), model_of(text));
+  EXPECT_NE(model_of(text), model_of(text + "[gateway]\nname = \"other\"\n"));
+}
+
+TEST(Summary, CountsInSingularAndPlural) {
+  const std::string own = "title = \"t\"\n[signals.status_word]\nobject = \"0x6041\"\ntype = \"u16\"\n";
+  const std::string one = kBus + "[[drive]]\nname = \"a\"\nnode = 1\nprofile = \"own\"\n";
+  EXPECT_EQ(summary(model_of(one, own)), "ok: 1 bus, 1 drive, 1 signal");
+  const std::string two = one + "bus = \"can0\"\n[[drive]]\nname = \"b\"\nnode = 2\nprofile = \"own\"\nbus = \"can0\"\n";
+  EXPECT_EQ(summary(model_of(two + "[[bus]]\nname = \"can1\"\n", own)), "ok: 2 buses, 2 drives, 2 signals");
+}
+
+}  // namespace
+}  // namespace config

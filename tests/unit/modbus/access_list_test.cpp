@@ -1,0 +1,61 @@
+#include "bridges/modbus/access_list.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace {
+
+using boost::asio::ip::make_address;
+using modbus::AccessList;
+
+bool allows(const AccessList& list, const char* address) {
+  return list.contains(make_address(address));
+}
+
+TEST(AccessList, ComparesThePrefix) {
+  const AccessList list({{"192.168.4.0", 22}, {"10.1.2.3", 32}, {"2001:db8:8000::", 33}}, "key");
+  EXPECT_TRUE(allows(list, "192.168.4.1"));
+  EXPECT_TRUE(allows(list, "192.168.7.255"));
+  EXPECT_FALSE(allows(list, "192.168.8.0"));
+  EXPECT_FALSE(allows(list, "192.168.3.255"));
+  EXPECT_TRUE(allows(list, "10.1.2.3"));
+  EXPECT_FALSE(allows(list, "10.1.2.2"));
+  EXPECT_TRUE(allows(list, "2001:db8:8000::1"));
+  EXPECT_TRUE(allows(list, "2001:db8:ffff::1"));
+  EXPECT_FALSE(allows(list, "2001:db8:7fff::1"));
+}
+
+TEST(AccessList, EachKindOfAddressForItself) {
+  const AccessList any_v4({{"0.0.0.0", 0}}, "key");
+  EXPECT_TRUE(allows(any_v4, "203.0.113.9"));
+  EXPECT_FALSE(allows(any_v4, "::1"));
+  const AccessList any_v6({{"::", 0}}, "key");
+  EXPECT_TRUE(allows(any_v6, "::1"));
+  EXPECT_FALSE(allows(any_v6, "127.0.0.1"));
+  EXPECT_FALSE(allows(AccessList({}, "key"), "127.0.0.1"));
+}
+
+TEST(AccessList, WholeAddressOfIpv6) {
+  const AccessList list({{"::1", 128}}, "key");
+  EXPECT_TRUE(allows(list, "::1"));
+  EXPECT_FALSE(allows(list, "::2"));
+}
+
+TEST(AccessList, AMappedAddressIsTheIpv4Address) {
+  EXPECT_EQ(modbus::plain_address(make_address("::ffff:192.0.2.7")), make_address("192.0.2.7"));
+  EXPECT_EQ(modbus::plain_address(make_address("2001:db8::7")), make_address("2001:db8::7"));
+}
+
+TEST(AccessList, NamesTheKeyOfWhatIsNoAddress) {
+  try {
+    const AccessList list({{"localhost", 8}}, "[modbus] write_from");
+    FAIL() << "taken";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("[modbus] write_from"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("localhost"), std::string::npos);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,339 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/unit/modbus/site.h"
+
+namespace {
+
+// Counted while a test asks for it, on its own thread only.
+thread_local std::size_t allocations = 0;
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* const memory = std::malloc(size)) {
+    return memory;
+  }
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t /*size*/) noexcept {
+  std::free(memory);
+}
+
+namespace {
+
+using modbus_test::Bytes;
+using modbus_test::example_model;
+using modbus_test::frame;
+using modbus_test::hex;
+using modbus_test::kUnit;
+using modbus_test::Site;
+using modbus_test::TcpClient;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+void send_all(TcpClient& client, const Bytes& bytes) {
+  ASSERT_EQ(client.send(bytes), bytes.size());
+}
+
+bool is_closed(Site& site, TcpClient& client) {
+  return site.settle_until([&client] {
+    client.receive();
+    return client.closed();
+  });
+}
+
+TEST(Connections, AByteAtATimeHoldsNobodyElse) {
+  Site site;
+  const Bytes request = frame(kUnit, "03 0064 0002");
+  TcpClient& slow = site.client();
+  TcpClient quick(site.port());
+  for (std::size_t i = 0; i < request.size(); ++i) {
+    slow.receive();
+    EXPECT_FALSE(slow.has_frame()) << i;
+    send_all(slow, {request[i]});
+    site.settle();
+    EXPECT_EQ(site.ask(quick, kUnit, "03 0064 0001"), "03 02 0000");
+  }
+  EXPECT_EQ(site.answer(slow), "03 04 0000 0000");
+}
+
+TEST(Connections, PipelinedRequestsAreAnsweredInOrder) {
+  Site site;
+  Bytes many;
+  for (std::uint16_t i = 0; i < 200; ++i) {
+    const Bytes one = frame(kUnit, i % 3 == 0 ? "03 0064 0001" : i % 3 == 1 ? "03 03e9 0001" : "03 0834 0001", i);
+    many.insert(many.end(), one.begin(), one.end());
+  }
+  TcpClient& client = site.client();
+  send_all(client, many);
+  for (std::uint16_t i = 0; i < 200; ++i) {
+    ASSERT_TRUE(site.settle_until([&client] {
+      client.receive();
+      return client.has_frame();
+    })) << i;
+    const Bytes answer = client.take_frame();
+    EXPECT_EQ(answer[0] << 8 | answer[1], i);
+    EXPECT_EQ(answer[7], i % 3 == 2 ? 0x83 : 0x03);
+  }
+}
+
+TEST(Connections, ARequestMayComeInAnyPieces) {
+  Site site;
+  const Bytes request = frame(kUnit, "10 0064 0002 04 0003 1388");
+  TcpClient& client = site.client();
+  for (std::size_t cut = 1; cut < request.size(); ++cut) {
+    send_all(client, Bytes(request.begin(), request.begin() + static_cast<std::ptrdiff_t>(cut)));
+    site.settle();
+    send_all(client, Bytes(request.begin() + static_cast<std::ptrdiff_t>(cut), request.end()));
+    EXPECT_EQ(site.answer(client), "90 0b") << cut;  // the drive is not there
+  }
+}
+
+TEST(Connections, WhatIsNoModbusIsClosed) {
+  for (const char* const garbage : {"474554202f20485454502f312e310d0a0d0a", "0001 0001", "0001 0000 0001 05",
+                                    "0001 0000 00ff 05", "0001 0000 0002 05 83"}) {
+    Site site;
+    TcpClient& client = site.client();
+    send_all(client, hex(garbage));
+    EXPECT_TRUE(is_closed(site, client)) << garbage;
+    EXPECT_EQ(site.server().clients(), 0U);
+  }
+}
+
+TEST(Connections, WhatCameBeforeTheGarbageIsAnswered) {
+  Site site;
+  TcpClient& client = site.client();
+  Bytes bytes = frame(kUnit, "03 0064 0001");
+  const Bytes garbage = hex("ffff ffff ffff");
+  bytes.insert(bytes.end(), garbage.begin(), garbage.end());
+  send_all(client, bytes);
+  EXPECT_EQ(site.answer(client), "03 02 0000");
+  EXPECT_TRUE(is_closed(site, client));
+}
+
+TEST(Connections, AWriteThatClaimsMoreThanItBringsIsRefused) {
+  Site site;
+  TcpClient& client = site.client();
+  EXPECT_EQ(site.ask(client, kUnit, "10 0064 007b f6 0001"), "90 03");
+  EXPECT_EQ(site.ask(client, kUnit, "0f 000a 07b0 f6 01"), "8f 03");
+  EXPECT_EQ(site.ask(client, kUnit, "03 0064 0001"), "03 02 0000");
+}
+
+TEST(Connections, TheLastRequestIsAnsweredThoughTheClientSendsNoMore) {
+  Site site;
+  TcpClient& client = site.client();
+  send_all(client, frame(kUnit, "03 0064 0001"));
+  client.finish();
+  EXPECT_EQ(site.answer(client), "03 02 0000");
+  EXPECT_TRUE(is_closed(site, client));
+}
+
+TEST(Connections, NoMoreClientsThanConfigured) {
+  config::Model model = example_model();
+  model.modbus->max_clients = 2;
+  Site site(model);
+  auto first = std::make_unique<TcpClient>(site.port());
+  TcpClient second(site.port());
+  EXPECT_EQ(site.ask(*first, kUnit, "03 0064 0001"), "03 02 0000");
+  EXPECT_EQ(site.ask(second, kUnit, "03 0064 0001"), "03 02 0000");
+  EXPECT_EQ(site.server().clients(), 2U);
+  TcpClient third(site.port());
+  EXPECT_TRUE(is_closed(site, third));
+  EXPECT_EQ(site.server().refused(), 1U);
+  EXPECT_EQ(site.ask(second, 0, "03 0005 0001"), "03 02 0002");
+  first.reset();
+  ASSERT_TRUE(site.settle_until([&site] { return site.server().clients() == 1; }));
+  TcpClient fourth(site.port());
+  EXPECT_EQ(site.ask(fourth, kUnit, "03 0064 0001"), "03 02 0000");
+}
+
+TEST(Connections, OnlyFromTheNetworksThatMayRead) {
+  config::Model model = example_model();
+  model.modbus->read_from = {{"192.0.2.0", 24}, {"::", 0}};
+  Site site(model);
+  EXPECT_TRUE(is_closed(site, site.client()));
+  EXPECT_EQ(site.server().clients(), 0U);
+  EXPECT_EQ(site.server().refused(), 1U);
+}
+
+TEST(Connections, IdleClientsAreClosed) {
+  config::Model model = example_model();
+  model.modbus->idle_timeout = minutes(10);
+  Site site(model);
+  TcpClient quiet(site.port());
+  TcpClient busy(site.port());
+  TcpClient halfway(site.port());
+  site.settle();
+  send_all(halfway, {0, 1, 0, 0});
+  for (int i = 0; i < 19; ++i) {
+    site.loop().advance(seconds(30), seconds(1));
+    EXPECT_EQ(site.ask(busy, kUnit, "03 0064 0001"), "03 02 0000");
+  }
+  site.loop().advance(seconds(29), seconds(1));
+  EXPECT_EQ(site.server().clients(), 3U);
+  site.loop().advance(seconds(2), seconds(1));
+  EXPECT_TRUE(is_closed(site, quiet));
+  EXPECT_TRUE(is_closed(site, halfway));  // bytes without a request are no sign of life
+  EXPECT_EQ(site.ask(busy, kUnit, "03 0064 0001"), "03 02 0000");
+  site.loop().advance(minutes(10), seconds(1));
+  EXPECT_TRUE(is_closed(site, busy));
+}
+
+TEST(Connections, WithoutIdleTimeoutTheyStay) {
+  config::Model model = example_model();
+  model.modbus->idle_timeout = {};
+  Site site(model);
+  EXPECT_EQ(site.ask("03 0064 0001"), "03 02 0000");
+  site.loop().advance(std::chrono::hours(25), minutes(1));
+  EXPECT_EQ(site.ask("03 0064 0001"), "03 02 0000");
+}
+
+TEST(Connections, AClientThatDoesNotReadHoldsOnlyItself) {
+  Site site;
+  TcpClient& lazy = site.client();
+  TcpClient other(site.port());
+  const Bytes request = frame(kUnit, "03 03e8 0064");
+  std::size_t sent = 0;
+  // The server stops taking requests once it can not hand over answers; then the client's socket fills.
+  for (std::size_t refused = 0; refused < 3; site.settle()) {
+    const std::size_t taken = lazy.send(request);
+    sent += taken;
+    refused = taken == request.size() ? 0 : refused + 1;
+    if (taken != 0 && taken != request.size()) {
+      break;
+    }
+    ASSERT_LT(sent, std::size_t{200} << 20) << "the server takes requests without end";
+  }
+  EXPECT_EQ(site.ask(other, kUnit, "03 0064 0001"), "03 02 0000");
+  EXPECT_EQ(site.server().clients(), 2U);
+  // All whole requests are answered once it reads.
+  for (std::size_t i = 0; i < sent / request.size(); ++i) {
+    ASSERT_TRUE(site.settle_until([&lazy] {
+      if (!lazy.has_frame()) {
+        lazy.receive();
+      }
+      return lazy.has_frame();
+    })) << i;
+    EXPECT_EQ(lazy.take_frame().size(), 209U);
+  }
+}
+
+TEST(Connections, ReadsAreAnsweredWithoutAllocation) {
+  Site site;
+  site.bring_up();
+  TcpClient& client = site.client();
+  const Bytes request = frame(kUnit, "03 0000 000d");
+  std::vector<std::size_t> counts;
+  for (int i = 0; i < 20; ++i) {
+    send_all(client, request);
+    const std::size_t before = allocations;
+    site.settle();
+    counts.push_back(allocations - before);
+    EXPECT_EQ(site.answer(client).substr(0, 5), "03 1a");
+  }
+  // The first ones fill Asio's per-thread store.
+  for (std::size_t i = 5; i < counts.size(); ++i) {
+    EXPECT_EQ(counts[i], 0U) << i;
+  }
+}
+
+TEST(Listening, Ipv6AndBothAtOnce) {
+  config::Model model = example_model();
+  model.modbus->listen = {{"::1", 0}, {"127.0.0.1", 0}};
+  Site site(model);
+  TcpClient v6(site.server().port(0), "::1");
+  if (!v6.connected()) {
+    GTEST_SKIP() << "no IPv6 here";
+  }
+  EXPECT_EQ(site.ask(v6, kUnit, "03 0064 0001"), "03 02 0000");
+  EXPECT_EQ(site.ask(v6, kUnit, "06 012c 0001"), "86 0b");  // ::1 may write; the drive is not there
+  TcpClient v4(site.server().port(1));
+  EXPECT_EQ(site.ask(v4, kUnit, "03 0064 0001"), "03 02 0000");
+}
+
+TEST(Listening, AnyAddressOfBothKindsOnOnePort) {
+  config::Model model = example_model();
+  std::uint16_t free_port = 0;
+  {
+    Site site(model);
+    free_port = site.port();
+  }
+  model.modbus->listen = {{"0.0.0.0", free_port}, {"::", free_port}};
+  Site site(model);
+  TcpClient v4(free_port);
+  EXPECT_EQ(site.ask(v4, kUnit, "03 0064 0001"), "03 02 0000");
+  TcpClient v6(free_port, "::1");
+  EXPECT_EQ(site.ask(v6, kUnit, "03 0064 0001"), "03 02 0000");
+}
+
+TEST(Listening, ANameIsResolved) {
+  config::Model model = example_model();
+  model.modbus->listen = {{"localhost", 0}};
+  Site site(model);
+  EXPECT_NE(site.port(), 0);
+}
+
+std::string start_failure(const config::Endpoint& endpoint) {
+  config::Model model = example_model();
+  model.modbus->listen = {endpoint};
+  try {
+    support::HandDrivenLoop loop;
+    process::Plant plant(loop.executor(), model, {{nullptr, {}}});
+    modbus::Server server(loop.executor(), plant, *model.modbus);
+    server.start();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "started";
+}
+
+TEST(Listening, AFailureNamesPlaceCauseAndRemedy) {
+  Site site;
+  const std::string taken = start_failure({"127.0.0.1", site.port()});
+  EXPECT_NE(taken.find("[modbus] listen: cannot listen on 127.0.0.1:" + std::to_string(site.port())), std::string::npos)
+      << taken;
+  EXPECT_NE(taken.find("in use"), std::string::npos) << taken;
+  EXPECT_NE(taken.find("another port"), std::string::npos) << taken;
+  const std::string foreign = start_failure({"192.0.2.1", 0});
+  EXPECT_NE(foreign.find("192.0.2.1:0"), std::string::npos) << foreign;
+  EXPECT_NE(foreign.find("this machine must have the address"), std::string::npos) << foreign;
+  const std::string foreign_v6 = start_failure({"2001:db8::1", 1502});
+  EXPECT_NE(foreign_v6.find("[2001:db8::1]:1502"), std::string::npos) << foreign_v6;
+  EXPECT_NE(start_failure({"no-such-host.invalid", 1502}).find("no-such-host.invalid:1502"), std::string::npos);
+}
+
+TEST(Stopping, EndsConnectionsAndListeners) {
+  Site site;
+  const std::uint16_t port = site.port();
+  EXPECT_EQ(site.ask("03 0064 0001"), "03 02 0000");
+  site.stop_server();
+  EXPECT_TRUE(is_closed(site, site.client()));
+  EXPECT_EQ(site.server().clients(), 0U);
+  EXPECT_FALSE(TcpClient(port).connected());
+}
+
+TEST(Stopping, AwaitsACommandThatWasBegun) {
+  Site site;
+  site.bring_up();
+  site.puppet().mute = true;
+  TcpClient& client = site.client();
+  send_all(client, frame(kUnit, "06 012c 0001"));
+  site.settle();
+  EXPECT_EQ(site.server().clients(), 1U);
+  site.stop_server();
+  EXPECT_EQ(site.server().clients(), 0U);
+}
+
+}  // namespace

@@ -1,0 +1,61 @@
+#include "bridges/modbus/mbap.h"
+
+#include <gtest/gtest.h>
+
+#include <span>
+
+#include "tests/unit/modbus/bytes.h"
+
+namespace {
+
+using modbus::find_frame;
+using modbus::Framing;
+using modbus_test::Bytes;
+using modbus_test::frame;
+using modbus_test::hex;
+
+TEST(Mbap, NeedsEveryByteOfAFrame) {
+  const Bytes bytes = frame(5, "03 0000 000d");
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(find_frame(std::span(bytes).first(size)).framing, Framing::incomplete) << size;
+  }
+  EXPECT_EQ(find_frame(bytes).framing, Framing::complete);
+  EXPECT_EQ(find_frame(bytes).size, 12U);
+}
+
+TEST(Mbap, LeavesWhatFollowsForTheNext) {
+  Bytes bytes = frame(5, "03 0000 000d");
+  bytes.push_back(0xAA);
+  EXPECT_EQ(find_frame(bytes).size, 12U);
+}
+
+TEST(Mbap, TellsUnitAndPdu) {
+  const Bytes bytes = frame(17, "03 0000 000d");
+  EXPECT_EQ(modbus::unit_of(bytes), 17);
+  const auto pdu = modbus::pdu_of(bytes);
+  EXPECT_EQ(Bytes(pdu.begin(), pdu.end()), hex("03 0000 000d"));
+}
+
+TEST(Mbap, AnotherProtocolIsBrokenAsSoonAsItShows) {
+  EXPECT_EQ(find_frame(hex("0001 01")).framing, Framing::broken);
+  EXPECT_EQ(find_frame(hex("0001 00 01")).framing, Framing::broken);
+  EXPECT_EQ(find_frame(hex("474554202f20485454502f312e310d0a")).framing, Framing::broken);  // GET / HTTP/1.1
+}
+
+TEST(Mbap, LengthsThatCanNotBeAreBroken) {
+  EXPECT_EQ(find_frame(hex("0001 0000 0000")).framing, Framing::broken);
+  EXPECT_EQ(find_frame(hex("0001 0000 0001")).framing, Framing::broken);  // a unit without a function
+  EXPECT_EQ(find_frame(hex("0001 0000 0002")).framing, Framing::incomplete);
+  EXPECT_EQ(find_frame(hex("0001 0000 00fe")).framing, Framing::incomplete);
+  EXPECT_EQ(find_frame(hex("0001 0000 00ff")).framing, Framing::broken);
+  EXPECT_EQ(find_frame(hex("0001 0000 ffff")).framing, Framing::broken);
+}
+
+TEST(Mbap, AnAnswerIsNoRequest) {
+  // libmodbus would answer function 0x90 with 0x10, which reads like a write that was carried out.
+  EXPECT_EQ(find_frame(frame(5, "90 01")).framing, Framing::broken);
+  EXPECT_EQ(find_frame(frame(5, "80")).framing, Framing::broken);
+  EXPECT_EQ(find_frame(frame(5, "7f")).framing, Framing::complete);
+}
+
+}  // namespace

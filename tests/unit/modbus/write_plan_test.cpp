@@ -1,0 +1,102 @@
+#include "bridges/modbus/write_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/unit/modbus/bytes.h"
+
+namespace {
+
+using canopen::DataType;
+using canopen::Raw;
+using config::Access;
+using config::ModbusKind;
+using modbus::Exception;
+using modbus::ProcessTable;
+using modbus::Range;
+using modbus::WritePlan;
+using modbus_test::hex;
+
+config::Signal signal(Access access, DataType type, ModbusKind kind, std::uint16_t address, std::uint16_t count = 1) {
+  config::Signal made;
+  made.access = access;
+  made.type = type;
+  made.modbus = {.kind = kind, .address = address, .count = count};
+  return made;
+}
+
+class WritePlanTest : public testing::Test {
+ protected:
+  static config::Drive drive() {
+    config::Drive made;
+    made.signals = {signal(Access::read, DataType::u16, ModbusKind::holding, 99),
+                    signal(Access::write, DataType::u16, ModbusKind::holding, 100),
+                    signal(Access::write, DataType::i32, ModbusKind::holding, 101, 2),
+                    signal(Access::read_write, DataType::u8, ModbusKind::holding, 103),
+                    signal(Access::write, DataType::boolean, ModbusKind::bit, 8),
+                    signal(Access::write, DataType::boolean, ModbusKind::bit, 9),
+                    signal(Access::read, DataType::boolean, ModbusKind::bit, 10)};
+    return made;
+  }
+
+  [[nodiscard]] std::string registers(Range range, const std::string& bytes) const {
+    return text(modbus::plan_registers(table_, range, hex(bytes)));
+  }
+  [[nodiscard]] std::string bits(Range range, const std::string& bytes) const {
+    return text(modbus::plan_bits(table_, range, hex(bytes)));
+  }
+
+ private:
+  static std::string text(const WritePlan& plan) {
+    if (const auto* const refused = std::get_if<Exception>(&plan)) {
+      return "exception " + std::to_string(static_cast<int>(*refused));
+    }
+    std::string all;
+    for (const process::FieldWrite& field : std::get<std::vector<process::FieldWrite>>(plan)) {
+      all += std::to_string(field.signal) + "=" +
+             std::to_string(static_cast<std::int64_t>(std::get<Raw>(field.value))) + " ";
+    }
+    return all;
+  }
+
+  const config::Drive model_ = drive();
+  const ProcessTable table_{model_, config::WordOrder::big};
+};
+
+TEST_F(WritePlanTest, TakesOneOrManyWholeValues) {
+  EXPECT_EQ(registers({100, 1}, "0007"), "1=7 ");
+  EXPECT_EQ(registers({101, 2}, "ffff fffe"), "2=-2 ");
+  EXPECT_EQ(registers({100, 4}, "0007 0001 0000 00ff"), "1=7 2=65536 3=255 ");
+}
+
+TEST_F(WritePlanTest, HalfOfAWideValueIsNoAddress) {
+  EXPECT_EQ(registers({101, 1}, "0001"), "exception 2");
+  EXPECT_EQ(registers({102, 1}, "0001"), "exception 2");
+  EXPECT_EQ(registers({100, 2}, "0001 0001"), "exception 2");
+  EXPECT_EQ(registers({102, 2}, "0001 0001"), "exception 2");
+}
+
+TEST_F(WritePlanTest, OneAddressThatTakesNoValueRefusesAll) {
+  EXPECT_EQ(registers({99, 1}, "0001"), "exception 2");
+  EXPECT_EQ(registers({99, 2}, "0001 0001"), "exception 2");
+  EXPECT_EQ(registers({103, 2}, "0001 0001"), "exception 2");
+  EXPECT_EQ(registers({104, 1}, "0001"), "exception 2");
+  EXPECT_EQ(registers({500, 1}, "0001"), "exception 2");
+  EXPECT_EQ(registers({1000, 1}, "0001"), "exception 2");
+  EXPECT_EQ(registers({1020, 2}, "0001 0000"), "exception 2");
+}
+
+TEST_F(WritePlanTest, AValueBeyondTheTypeIsRefusedNotCut) {
+  EXPECT_EQ(registers({103, 1}, "0100"), "exception 3");
+}
+
+TEST_F(WritePlanTest, BitsComeLowestFirst) {
+  EXPECT_EQ(bits({8, 1}, "01"), "4=1 ");
+  EXPECT_EQ(bits({8, 2}, "02"), "4=0 5=1 ");
+  EXPECT_EQ(bits({8, 3}, "07"), "exception 2");
+  EXPECT_EQ(bits({7, 2}, "03"), "exception 2");
+  EXPECT_EQ(bits({200, 1}, "01"), "exception 2");
+}
+
+}  // namespace

@@ -1,0 +1,257 @@
+#include "bridges/mqtt/bridge.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "bridges/mqtt/alarm_json.h"
+#include "tests/unit/mqtt/plant_site.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using test::PlantSite;
+
+constexpr const char* kEmcy = "canopen/line3/pump1/alarm/emcy";
+
+bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(MqttBridge, AnnouncesEverythingAndOnlineLast) {
+  PlantSite site;
+  site.bring_up_drive();
+  EXPECT_TRUE(site.broker().published.empty()) << "nothing before the connection";
+  site.connect();
+  ASSERT_FALSE(site.broker().published.empty());
+  EXPECT_EQ(site.broker().published.back(), (Message{.topic = "canopen/line3/status", .payload = "online"}));
+  EXPECT_EQ(site.broker().opened, 1U);
+  EXPECT_TRUE(site.bridge().connected());
+  EXPECT_EQ(site.retained("pump1/status"), "online");
+  EXPECT_EQ(site.retained("pump1/control"), R"({"holder":null,"since":null,"timeout":false})");
+  for (const char* alarm : {"pump1/alarm/emcy", "pump1/alarm/heartbeat", "pump1/alarm/boot", "pump1/alarm/data",
+                            "pump1/alarm/control", "bus/can0/alarm"}) {
+    EXPECT_TRUE(contains(site.retained(alarm), R"("active":false)")) << alarm << ": " << site.retained(alarm);
+  }
+  EXPECT_TRUE(contains(site.retained("info"), R"("version":"1.2.3")"));
+  EXPECT_TRUE(contains(
+      site.retained("info"),
+      R"({"name":"frequency_command","object":"0x2000:02","type":"u16","scale":0.01,"unit":"","access":"write",)"
+      R"("source":"rpdo1","min":0,"max":50,"values":null,"topic":null,"set":"canopen/line3/pump1/frequency_command/set"})"))
+      << site.retained("info");
+  EXPECT_EQ(site.retained("pump1/frequency_command"), "never published");
+  EXPECT_TRUE(std::all_of(site.broker().published.begin(), site.broker().published.end(),
+                          [](const Message& message) { return message.retained; }));
+}
+
+TEST(MqttBridge, ShowsTheStateOfADrive) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.send_values(0x0001, 4997, 4, 0x0005);
+  site.connect();
+  // The time stamp is that of the newest value, which the clock of the test gave.
+  const std::string state = site.retained("pump1/state");
+  EXPECT_TRUE(contains(state, R"({"ts":"2026-01-02T03:04:0)")) << state;
+  EXPECT_TRUE(contains(state, R"(Z","online":true,"nmt":"operational","fresh":true,"values":{"status_word":1,)"
+                              R"("output_frequency":49.97,"drive_state":"running","drive_state_code":4,"fault_code":5,)"
+                              R"("running":true,"mode":"speed","mode_code":0,"brake":true}})"))
+      << state;
+  EXPECT_EQ(site.retained("pump1/output_frequency"), "49.97");
+  EXPECT_EQ(site.retained("pump1/running"), "true");
+  EXPECT_EQ(site.retained("pump1/fault_code"), "5");
+  EXPECT_EQ(site.retained("pump1/mode"), "speed");
+}
+
+TEST(MqttBridge, OneTurnOfTheLoopIsOneBatchAndOnePdoOneState) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.run(1s);
+  site.broker().forget();
+  site.send_values(0x0001, 3000, 4);
+  EXPECT_EQ(site.broker().batches, 1U);
+  const auto states = site.broker().on("canopen/line3/pump1/state");
+  ASSERT_EQ(states.size(), 1U);
+  EXPECT_TRUE(contains(states[0], R"("output_frequency":30.00,"drive_state":"running")")) << states[0];
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/output_frequency"), std::vector<std::string>{"30.00"});
+}
+
+TEST(MqttBridge, AFastValueIsPublishedEveryShortestIntervalWithItsNewestValue) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.run(1s);
+  site.broker().forget();
+  for (std::uint16_t i = 1; i <= 100; ++i) {  // 1 s at 100 Hz
+    site.puppet().heartbeat();
+    site.send_values(0, i, 3);
+    site.loop().advance(10ms);
+  }
+  const auto values = site.broker().on("canopen/line3/pump1/output_frequency");
+  EXPECT_GE(values.size(), 4U);
+  EXPECT_LE(values.size(), 5U);
+  site.loop().advance(250ms);
+  EXPECT_EQ(site.retained("pump1/output_frequency"), "1.00");
+  EXPECT_TRUE(contains(site.retained("pump1/state"), R"("output_frequency":1.00)"));
+}
+
+TEST(MqttBridge, WithoutAChangeNothingIsPublishedUntilTheLongestInterval) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.run(1s);
+  site.broker().forget();
+  site.run(30s);
+  EXPECT_TRUE(site.broker().published.empty()) << site.broker().published.front().topic;
+  site.run(40s);
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/output_frequency").size(), 1U);
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/state").size(), 1U);
+}
+
+TEST(MqttBridge, AValueThatIsNotFreshIsEmptiedAndNull) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.send_values(0x0001, 3000, 4);
+  site.connect();
+  EXPECT_EQ(site.retained("pump1/output_frequency"), "30.00");
+  site.run_silent(400ms);  // three periods of the TPDO
+  EXPECT_EQ(site.retained("pump1/output_frequency"), "");
+  EXPECT_EQ(site.retained("pump1/running"), "");
+  EXPECT_EQ(site.retained("pump1/state").find("30.00"), std::string::npos);
+  EXPECT_TRUE(contains(site.retained("pump1/state"),
+                       R"("fresh":false,"values":{"status_word":null,"output_frequency":null,)"
+                       R"("drive_state":null,"drive_state_code":null)"))
+      << site.retained("pump1/state");
+  site.send_values(0x0001, 3000, 4);
+  EXPECT_EQ(site.retained("pump1/output_frequency"), "30.00");
+}
+
+TEST(MqttBridge, ALostDriveIsOfflineAtOnceWithItsAlarm) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.puppet().mute = true;
+  site.loop().advance(2s, 10ms);
+  EXPECT_EQ(site.retained("pump1/status"), "offline");
+  EXPECT_TRUE(contains(site.retained("pump1/state"), R"("online":false)"));
+  EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), R"("active":true)"))
+      << site.retained("pump1/alarm/heartbeat");
+  EXPECT_EQ(site.retained("pump1/brake"), "");
+}
+
+TEST(MqttBridge, AnEmergencyIsAnAlarmAtOnce) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.puppet().dictionary[{0x1001, 0}].value = 1;
+  site.puppet().emergency(std::array<std::uint8_t, 8>{0x10, 0x23, 0x01, 5, 0, 0, 0, 0});
+  site.loop().settle();
+  const std::string alarm = site.retained("pump1/alarm/emcy");
+  EXPECT_TRUE(contains(alarm, R"("active":true)")) << alarm;
+  EXPECT_TRUE(contains(alarm, R"("code":"0x2310")")) << alarm;
+  EXPECT_TRUE(contains(alarm, R"("vendor":"0500000000")")) << alarm;
+  EXPECT_TRUE(contains(alarm, R"("confirmed":true)")) << alarm;
+}
+
+TEST(MqttBridge, EverythingRetainedIsPublishedAgainAfterEachConnection) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  const auto before = site.broker().retained;
+  site.broker().events->on_disconnected();
+  site.loop().settle();
+  EXPECT_FALSE(site.bridge().connected());
+  site.broker().forget();
+  site.broker().retained.clear();
+  site.send_values(0x0001, 1234, 4);
+  EXPECT_TRUE(site.broker().published.empty());
+  site.connect(2);
+  EXPECT_EQ(site.broker().retained.size(), before.size());
+  EXPECT_EQ(site.retained("pump1/output_frequency"), "12.34");
+  EXPECT_EQ(site.broker().opened, 2U);
+  EXPECT_EQ(site.broker().published.back().topic, "canopen/line3/status");
+}
+
+TEST(MqttBridge, AnOrderlyEndSetsEveryStatusToOffline) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.stop_bridge();
+  ASSERT_GE(site.broker().last_words.size(), 2U);
+  EXPECT_EQ(site.broker().last_words.back(), (Message{.topic = "canopen/line3/status", .payload = "offline"}));
+  EXPECT_EQ(site.broker().last_words[site.broker().last_words.size() - 2],
+            (Message{.topic = "canopen/line3/pump1/status", .payload = "offline"}));
+  EXPECT_FALSE(site.bridge().connected());
+}
+
+TEST(MqttBridge, TellsWhenItIsConnected) {
+  PlantSite site;
+  std::vector<bool> changes;
+  site.bridge().on_connected_change([&changes](bool connected) { changes.push_back(connected); });
+  site.connect();
+  site.broker().events->on_disconnected();
+  EXPECT_EQ(changes, (std::vector<bool>{true, false}));
+}
+
+TEST(MqttBridge, ADeniedSubscriptionIsSaid) {
+  PlantSite site;
+  site.broker().events->on_connected(1);
+  site.broker().events->on_subscribed(false);
+  ASSERT_EQ(site.notices().size(), 1U);
+  EXPECT_TRUE(contains(site.notices()[0], "refuses subscriptions"));
+  site.run_silent(1100ms);
+  EXPECT_TRUE(site.bridge().connected()) << "values go out all the same";
+}
+
+process::Alarm old_alarm() {
+  process::Alarm alarm;
+  alarm.active = true;
+  alarm.id = "before-1";
+  alarm.code = 0x2310;
+  alarm.text = "Overcurrent";
+  alarm.error_register = 1;
+  alarm.since = canopen::wall_now() - 1h;
+  alarm.ts = alarm.since;
+  alarm.count = 3;
+  alarm.errors = {{alarm.code, alarm.vendor, alarm.text, alarm.severity, alarm.since}};
+  return alarm;
+}
+
+TEST(MqttBridge, AnAlarmFromBeforeTheStartStaysUnconfirmedUntilTheDriveIsThere) {
+  PlantSite site;
+  site.broker().events->on_connected(1);
+  site.broker().events->on_subscribed(true);
+  site.loop().settle();
+  EXPECT_TRUE(site.broker().published.empty()) << "no alarm topic is overwritten before it was read";
+  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  ASSERT_TRUE(site.bridge().connected());
+  const std::string alarm = site.retained("pump1/alarm/emcy");
+  EXPECT_TRUE(contains(alarm, R"("active":true,"id":"before-1","code":"0x2310","text":"Overcurrent")")) << alarm;
+  EXPECT_TRUE(contains(alarm, R"("confirmed":false)")) << alarm;
+  EXPECT_TRUE(contains(alarm, R"("count":3)")) << alarm;
+  site.bring_up_drive();  // its error register says that nothing is active
+  EXPECT_TRUE(contains(site.retained("pump1/alarm/emcy"), R"("active":false)")) << site.retained("pump1/alarm/emcy");
+}
+
+TEST(MqttBridge, ARetainedAlarmThatIsNoneIsIgnoredAndSaid) {
+  PlantSite site;
+  site.broker().events->on_connected(1);
+  site.broker().events->on_subscribed(true);
+  site.receive({.topic = kEmcy, .payload = "{\"active\":maybe}", .retained = true});
+  EXPECT_TRUE(site.bridge().connected());
+  EXPECT_EQ(site.notices().size(), 1U);
+  EXPECT_TRUE(contains(site.retained("pump1/alarm/emcy"), R"("active":false)"));
+}
+
+TEST(MqttBridge, AnAlarmThatIsPublishedLaterIsNotTakenForAnOldOne) {
+  PlantSite site;
+  site.connect();
+  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  EXPECT_FALSE(site.plant().drive(0).alarm(process::AlarmKind::emcy).active);
+}
+
+}  // namespace
+}  // namespace mqtt

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridges/mqtt/broker.h"
+
+namespace mqtt::test {
+
+/// A broker that a test plays: it records what is published and tells what the test says.
+class FakeBroker final : public Broker {
+ public:
+  void start(BrokerEvents& to_events) override { events = &to_events; }
+  void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) override {
+    subscribed_on = connection;
+    subscribed = std::move(subscriptions);
+  }
+  void unsubscribe(ConnectionId, std::vector<std::string> filters) override { unsubscribed = std::move(filters); }
+  void publish(std::vector<Message> batch) override {
+    ++batches;
+    for (Message& message : batch) {
+      if (message.retained) {
+        retained[message.topic] = message.payload;
+      }
+      published.push_back(std::move(message));
+    }
+  }
+  void open(ConnectionId connection) override { opened = connection; }
+  boost::asio::awaitable<void> stop(std::vector<Message> last) override {
+    last_words = std::move(last);
+    stopped = true;
+    co_return;
+  }
+
+  [[nodiscard]] bool has_subscribed(const std::string& filter) const {
+    for (const Subscription& subscription : subscribed) {
+      if (subscription.filter == filter) {
+        return true;
+      }
+    }
+    return false;
+  }
+  /// Payloads published on one topic, in order.
+  [[nodiscard]] std::vector<std::string> on(const std::string& topic) const {
+    std::vector<std::string> payloads;
+    for (const Message& message : published) {
+      if (message.topic == topic) {
+        payloads.push_back(message.payload);
+      }
+    }
+    return payloads;
+  }
+  void forget() {
+    published.clear();
+    batches = 0;
+  }
+
+  BrokerEvents* events = nullptr;
+  ConnectionId subscribed_on = 0;
+  std::vector<Subscription> subscribed;
+  std::vector<std::string> unsubscribed;
+  std::vector<Message> published;
+  std::map<std::string, std::string> retained;
+  std::size_t batches = 0;
+  ConnectionId opened = 0;
+  std::vector<Message> last_words;
+  bool stopped = false;
+};
+
+}  // namespace mqtt::test

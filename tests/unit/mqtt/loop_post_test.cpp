@@ -1,0 +1,78 @@
+#include "bridges/mqtt/loop_post.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/support/hand_driven_loop.h"
+
+namespace mqtt {
+namespace {
+
+class LoopPostTest : public testing::Test {
+ protected:
+  void TearDown() override { post_->close(); }
+
+  support::HandDrivenLoop loop_;
+  std::vector<LoopEvent> received_;
+  std::shared_ptr<LoopPost> post_ =
+      std::make_shared<LoopPost>(loop_.executor(), [this](LoopEvent& event) { received_.push_back(std::move(event)); });
+};
+
+TEST_F(LoopPostTest, BringsEventsInOrderAndOnlyOnTheLoop) {
+  post_->post(Connected{7});
+  post_->post(Incoming{.topic = "a"});
+  post_->post(Disconnected{});
+  EXPECT_TRUE(received_.empty());
+  loop_.settle();
+  ASSERT_EQ(received_.size(), 3U);
+  EXPECT_EQ(std::get<Connected>(received_[0]).connection, 7U);
+  EXPECT_EQ(std::get<Incoming>(received_[1]).topic, "a");
+  EXPECT_TRUE(std::holds_alternative<Disconnected>(received_[2]));
+}
+
+TEST_F(LoopPostTest, TakesEventsFromOtherThreads) {
+  std::thread other([this] {
+    for (int i = 0; i < 100; ++i) {
+      post_->post(Incoming{.topic = std::to_string(i)});
+    }
+  });
+  other.join();
+  loop_.settle();
+  EXPECT_EQ(received_.size(), 100U);
+}
+
+TEST_F(LoopPostTest, CountsCommandsThatComeTooFast) {
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages + 5; ++i) {
+    post_->post(Incoming{.topic = "t"});
+  }
+  post_->post(Disconnected{});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages + 2);
+  EXPECT_NE(std::get<Said>(received_.back()).text.find("5 commands"), std::string::npos);
+  received_.clear();
+  post_->post(Incoming{.topic = "t"});
+  loop_.settle();
+  EXPECT_EQ(received_.size(), 1U);
+}
+
+TEST_F(LoopPostTest, IsBoundedInBytesToo) {
+  for (int i = 0; i < 10; ++i) {
+    post_->post(Incoming{.payload = std::string(1024UL * 1024, 'x')});
+  }
+  loop_.settle();
+  EXPECT_EQ(received_.size(), 5U) << "four messages and the notice";
+}
+
+TEST_F(LoopPostTest, BringsNothingAfterItWasClosed) {
+  post_->post(Disconnected{});
+  post_->close();
+  post_->post(Disconnected{});
+  loop_.settle();
+  EXPECT_TRUE(received_.empty());
+}
+
+}  // namespace
+}  // namespace mqtt

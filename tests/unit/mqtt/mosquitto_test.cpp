@@ -1,0 +1,243 @@
+// The publisher and the bridge on a real broker. What came out is read back by mosquitto's own programs.
+
+#include "tests/support/mosquitto.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <future>
+#include <memory>
+#include <string>
+
+#include "bridges/mqtt/publisher.h"
+#include "tests/unit/mqtt/publisher_fixture.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Mosquitto;
+
+// What a program writes; the commands here end by themselves (-W).
+std::string output_of(const std::string& command) {
+  const std::unique_ptr<FILE, decltype(&pclose)> pipe(popen(command.c_str(), "r"), &pclose);
+  std::string output;
+  std::array<char, 4096> buffer{};
+  while (pipe && fgets(buffer.data(), buffer.size(), pipe.get()) != nullptr) {
+    output += buffer.data();
+  }
+  return output;
+}
+
+class OnMosquitto : public test::PublisherFixture {
+ protected:
+  void SetUp() override { ASSERT_TRUE(broker_.start()) << "is mosquitto installed?"; }
+
+  [[nodiscard]] std::string at() const { return " -h 127.0.0.1 -p " + std::to_string(broker_.port()) + " "; }
+  /// What the broker keeps there: `1 payload`, nothing where it keeps none.
+  [[nodiscard]] std::string retained(const std::string& topic) const {
+    return output_of("mosquitto_sub -V 5 -W 1 -C 1 -F '%r %p'" + at() + "-t " + topic + " 2>/dev/null");
+  }
+  [[nodiscard]] bool is_retained(const std::string& topic, const std::string& payload) {
+    return run_until([&] { return retained(topic) == "1 " + payload + "\n"; });
+  }
+  void publish_with(const std::string& options) {
+    EXPECT_EQ(output_of("mosquitto_pub" + at() + options + " 2>&1"), "");
+  }
+  void open() { publisher->open(connections.back()); }
+
+  Mosquitto broker_;
+};
+
+TEST_F(OnMosquitto, SpeaksMqtt5AndPublishesRetained) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  EXPECT_NE(notices.at(0).find("MQTT 5"), std::string::npos) << notices[0];
+  publisher->publish({{.topic = "canopen/line3/status", .payload = "online"}});
+  open();
+  EXPECT_TRUE(is_retained("canopen/line3/status", "online"));
+  publisher->publish({{.topic = "canopen/line3/status", .payload = ""}});
+  EXPECT_TRUE(run_until([this] { return retained("canopen/line3/status").empty(); })) << "emptied";
+}
+
+TEST_F(OnMosquitto, TheWillSaysOfflineWhenTheGatewayVanishes) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  publisher->publish({{.topic = "canopen/line3/status", .payload = "online"}});
+  open();
+  ASSERT_TRUE(is_retained("canopen/line3/status", "online"));
+  publisher.reset();  // without a goodbye
+  EXPECT_TRUE(is_retained("canopen/line3/status", "offline"));
+}
+
+TEST_F(OnMosquitto, AnOrderlyEndSaysItsLastWordsAndNoWill) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  open();
+  EXPECT_LT(stop({{.topic = "canopen/line3/pump1/status", .payload = "offline"},
+                  {.topic = "canopen/line3/status", .payload = "gone"}}),
+            3s);
+  EXPECT_EQ(retained("canopen/line3/pump1/status"), "1 offline\n");
+  EXPECT_EQ(retained("canopen/line3/status"), "1 gone\n") << "not the will";
+}
+
+TEST_F(OnMosquitto, BringsCommandsWithTheirProperties) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"canopen/line3/+/set", 1}, {"canopen/line3/+/+/set", 1}}));
+  EXPECT_TRUE(grants[0]);
+  publish_with(
+      "-V 5 -q 1 -t canopen/line3/pump1/set -m '{\"a\":1}' -D publish response-topic answers/1 "
+      "-D publish correlation-data c17 -D publish message-expiry-interval 30");
+  ASSERT_TRUE(run_until([this] { return !messages.empty(); }));
+  const Incoming& message = messages[0];
+  EXPECT_EQ(message.topic, "canopen/line3/pump1/set");
+  EXPECT_EQ(message.payload, "{\"a\":1}");
+  EXPECT_EQ(message.response_topic, "answers/1");
+  EXPECT_EQ(message.correlation, "c17");
+  ASSERT_TRUE(message.expiry);
+  EXPECT_LE(*message.expiry, 30U);
+  EXPECT_GE(*message.expiry, 20U);
+  EXPECT_FALSE(message.retained);
+}
+
+TEST_F(OnMosquitto, ARetainedCommandIsKnownAsSuchEvenWhenItIsPublishedNow) {
+  publish_with("-r -t canopen/line3/pump1/set -m before");
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"canopen/line3/+/set", 1}}));
+  ASSERT_TRUE(run_until([this] { return !messages.empty(); }));
+  EXPECT_TRUE(messages[0].retained);
+  publish_with("-r -t canopen/line3/pump1/set -m now");
+  ASSERT_TRUE(run_until([this] { return messages.size() >= 2; }));
+  EXPECT_EQ(messages[1].payload, "now");
+  EXPECT_TRUE(messages[1].retained) << "Retain As Published";
+}
+
+TEST_F(OnMosquitto, EchoesCorrelationDataOfAnyBytes) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"answers/#", 1}}));
+  const std::string bytes("\0\xFF\x01", 3);
+  publisher->publish(
+      {{.topic = "answers/1", .payload = "x", .kind = MessageKind::answer, .retained = false, .correlation = bytes}});
+  open();
+  ASSERT_TRUE(run_until([this] { return has_message("answers/1"); }));
+  EXPECT_EQ(messages.back().correlation, bytes);
+  EXPECT_FALSE(messages.back().retained);
+}
+
+TEST_F(OnMosquitto, ConnectsAgainAfterTheBrokerWasGone) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  open();
+  broker_.stop();
+  ASSERT_TRUE(run_until([this] { return disconnections == 1; }));
+  publisher->publish({{.topic = "t", .payload = "1"},
+                      {.topic = "t", .payload = "2"},
+                      {.topic = "answers/1", .payload = "a", .kind = MessageKind::answer, .retained = false}});
+  ASSERT_TRUE(broker_.start());
+  ASSERT_TRUE(connected(2));
+  EXPECT_GT(connections[1], connections[0]);
+  EXPECT_EQ(retained("t"), "") << "closed until it is opened";
+  ASSERT_TRUE(subscribe({{"answers/#", 1}}));
+  open();
+  EXPECT_TRUE(is_retained("t", "2"));
+  EXPECT_TRUE(run_until([this] { return has_message("answers/1"); })) << "an answer outlives the connection";
+}
+
+TEST_F(OnMosquitto, StartsWithoutABrokerAndFindsItLater) {
+  broker_.stop();
+  make(settings(broker_.port()));
+  ASSERT_TRUE(run_until([this] { return !notices.empty(); }));
+  EXPECT_NE(notices[0].find("no connection"), std::string::npos) << notices[0];
+  ASSERT_TRUE(broker_.start());
+  EXPECT_TRUE(connected());
+}
+
+TEST_F(OnMosquitto, LosesNothingOfManyMessages) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"many/#", 1}}));
+  open();
+  constexpr std::size_t kMessages = 5000;
+  for (std::size_t i = 0; i < kMessages; i += 50) {
+    std::vector<Message> batch;
+    for (std::size_t k = i; k < i + 50; ++k) {
+      batch.push_back({.topic = "many/" + std::to_string(k % 10),
+                       .payload = std::to_string(k),
+                       .kind = MessageKind::answer,
+                       .retained = false});
+    }
+    publisher->publish(std::move(batch));
+    context.poll();
+  }
+  ASSERT_TRUE(run_until([this] { return messages.size() >= kMessages; })) << messages.size();
+  for (std::size_t i = 0; i < kMessages; ++i) {
+    ASSERT_EQ(messages[i].payload, std::to_string(i)) << "in order";
+  }
+}
+
+TEST_F(OnMosquitto, ABrokerThatHangsHoldsUpNeitherLoopNorEnd) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  open();
+  broker_.freeze();
+  std::chrono::nanoseconds longest{};
+  for (int i = 0; i < 2000; ++i) {
+    const auto begun = Clock::now();
+    publisher->publish({{.topic = "t" + std::to_string(i % 10), .payload = std::string(1000, 'x')}});
+    longest = std::max(longest, std::chrono::nanoseconds(Clock::now() - begun));
+  }
+  EXPECT_LT(longest, 500ms) << "of a call on the loop, on a busy machine";
+  EXPECT_LT(stop({{.topic = "canopen/line3/status", .payload = "offline"}}), 6s);
+  broker_.resume();
+  EXPECT_TRUE(is_retained("canopen/line3/status", "offline")) << "said by the will";
+}
+
+class OnStrictMosquitto : public OnMosquitto {
+ protected:
+  void SetUp() override {}
+};
+
+TEST_F(OnStrictMosquitto, TakesUserNameAndPassword) {
+  EXPECT_EQ(output_of("mosquitto_passwd -b -c " + (broker_.directory() / "users").string() + " line3 secret 2>&1"), "");
+  Mosquitto strict("password_file " + (broker_.directory() / "users").string() + "\nallow_anonymous false\n");
+  ASSERT_TRUE(strict.start());
+  PublisherSettings made = settings(strict.port());
+  made.connection.username = "line3";
+  made.connection.password = "wrong";
+  make(made);
+  ASSERT_TRUE(run_until([this] { return !notices.empty(); }));
+  EXPECT_NE(notices[0].find("does not authorize"), std::string::npos) << notices[0];
+  publisher.reset();
+  made.connection.password = "secret";
+  make(made);
+  EXPECT_TRUE(connected());
+}
+
+TEST_F(OnStrictMosquitto, SaysWhenItMayNotSubscribeOrPublish) {
+  const auto rules = broker_.directory() / "acl";
+  EXPECT_EQ(output_of("printf 'topic read allowed\\ntopic write open/#\\n' > " + rules.string()), "");
+  Mosquitto strict("acl_file " + rules.string() + "\n");
+  ASSERT_TRUE(strict.start());
+  make(settings(strict.port()));
+  ASSERT_TRUE(connected());
+  open();
+  std::vector<Message> batch;
+  for (int i = 0; i < 300; ++i) {  // more than may be under way: a refusal frees its place too
+    batch.push_back({.topic = "forbidden/" + std::to_string(i), .payload = "1"});
+  }
+  batch.push_back({.topic = "open/1", .payload = "1"});
+  publisher->publish(std::move(batch));
+  EXPECT_TRUE(run_until([this] {
+    return std::any_of(notices.begin(), notices.end(),
+                       [](const std::string& text) { return text.find("refuses some") != std::string::npos; });
+  }));
+  EXPECT_LT(stop(), 2s) << "nothing is left under way";
+}
+
+}  // namespace
+}  // namespace mqtt

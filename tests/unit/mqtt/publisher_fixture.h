@@ -1,0 +1,93 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridges/mqtt/publisher.h"
+#include "tests/support/spawn.h"
+
+namespace mqtt::test {
+
+/// The real publisher on a real loop; every wait is for a condition and bounded.
+class PublisherFixture : public testing::Test, public BrokerEvents {
+ public:
+  void on_connected(ConnectionId connection) override { connections.push_back(connection); }
+  void on_disconnected() override { ++disconnections; }
+  void on_subscribed(bool granted) override { grants.push_back(granted); }
+  void on_message(Incoming message) override { messages.push_back(std::move(message)); }
+
+ protected:
+  using Clock = std::chrono::steady_clock;
+
+  static PublisherSettings settings(std::uint16_t port) {
+    config::Mqtt mqtt;
+    mqtt.broker = {"127.0.0.1", port};
+    PublisherSettings made = publisher_settings(mqtt, {"line3"});
+    made.first_pause = std::chrono::milliseconds(50);
+    made.longest_pause = std::chrono::milliseconds(200);
+    return made;
+  }
+
+  void make(PublisherSettings made) {
+    publisher = std::make_unique<Publisher>(context.get_executor(), std::move(made),
+                                            [this](Level, std::string text) { notices.push_back(std::move(text)); });
+    publisher->start(*this);
+  }
+
+  template <class Predicate>
+  [[nodiscard]] bool run_until(Predicate done, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+    const auto end = Clock::now() + limit;
+    while (!done()) {
+      if (Clock::now() > end) {
+        return false;
+      }
+      context.run_one_for(std::chrono::milliseconds(10));
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool connected(std::size_t times = 1) {
+    return run_until([this, times] { return connections.size() >= times; });
+  }
+  /// Subscribes and waits for the answer.
+  [[nodiscard]] bool subscribe(std::vector<Subscription> subscriptions) {
+    const std::size_t before = grants.size();
+    publisher->subscribe(connections.back(), std::move(subscriptions));
+    return run_until([this, before] { return grants.size() > before; });
+  }
+  [[nodiscard]] bool has_message(const std::string& topic) const {
+    for (const Incoming& message : messages) {
+      if (message.topic == topic) {
+        return true;
+      }
+    }
+    return false;
+  }
+  /// How long stop() took.
+  std::chrono::milliseconds stop(std::vector<Message> last = {}) {
+    const auto begun = Clock::now();
+    const auto done = support::spawn(context.get_executor(), publisher->stop(std::move(last)));
+    EXPECT_TRUE(run_until([&done] { return *done; }));
+    return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begun);
+  }
+
+  void TearDown() override { publisher.reset(); }
+
+  boost::asio::io_context context{1};
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{context.get_executor()};
+  std::unique_ptr<Publisher> publisher;
+  std::vector<ConnectionId> connections;
+  std::size_t disconnections = 0;
+  std::vector<bool> grants;
+  std::vector<Incoming> messages;
+  std::vector<std::string> notices;
+};
+
+}  // namespace mqtt::test

@@ -1,0 +1,122 @@
+#include "bridges/mqtt/publisher.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <future>
+#include <string>
+
+#include "tests/support/mosquitto.h"
+#include "tests/unit/mqtt/publisher_fixture.h"
+#include "tests/unit/mqtt/tiny_broker.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using test::TinyBroker;
+
+class MqttPublisher : public test::PublisherFixture {};
+
+TEST_F(MqttPublisher, FallsBackTo311WhereTheBrokerHasNo5) {
+  TinyBroker broker({});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  EXPECT_EQ(broker.levels(), (std::vector<int>{5, 4}));
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("MQTT 3.1.1"), std::string::npos) << notices[0];
+  ASSERT_TRUE(subscribe({{"canopen/line3/+/set", 1}}));
+  EXPECT_TRUE(grants[0]);
+  publisher->publish({{.topic = "a", .payload = "1"}});
+  publisher->open(connections.back());
+  ASSERT_TRUE(run_until([&broker] { return !broker.published().empty(); }));
+  const auto took = stop({{.topic = "canopen/line3/status", .payload = "offline"}});
+  EXPECT_LT(took, 3s);
+  EXPECT_EQ(broker.published(), (std::vector<std::string>{"a=1", "canopen/line3/status=offline"}));
+}
+
+TEST_F(MqttPublisher, SendsNothingBeforeItIsOpened) {
+  TinyBroker broker({.speaks_5 = false});
+  make(settings(broker.port()));
+  publisher->publish({{.topic = "early", .payload = "1"}, {.topic = "early", .payload = "2"}});
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"x", 0}}));
+  EXPECT_TRUE(broker.published().empty());
+  publisher->open(connections.back() + 1);  // of another connection
+  ASSERT_TRUE(subscribe({{"y", 0}}));
+  EXPECT_TRUE(broker.published().empty());
+  publisher->open(connections.back());
+  ASSERT_TRUE(run_until([&broker] { return !broker.published().empty(); }));
+  EXPECT_EQ(broker.published(), std::vector<std::string>{"early=2"});
+}
+
+TEST_F(MqttPublisher, ABrokerThatRefusesIsToldOnceAndTriedAgain) {
+  TinyBroker broker({.speaks_5 = false, .mute = false, .refusal = 5});
+  make(settings(broker.port()));
+  ASSERT_TRUE(run_until([&broker] { return broker.levels().size() >= 6; }));
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("does not authorize"), std::string::npos) << notices[0];
+  EXPECT_TRUE(connections.empty());
+}
+
+TEST_F(MqttPublisher, ABrokerThatSaysNothingHoldsUpNeitherLoopNorEnd) {
+  TinyBroker broker({.speaks_5 = true, .mute = true});
+  make(settings(broker.port()));
+  ASSERT_TRUE(run_until([&broker] { return !broker.levels().empty(); }));
+  publisher->publish({{.topic = "a", .payload = "1"}});
+  EXPECT_LT(stop({{.topic = "a", .payload = "2"}}), 3s);
+  EXPECT_TRUE(connections.empty());
+}
+
+TEST_F(MqttPublisher, ANameThatDoesNotResolveHoldsUpNeitherLoopNorEnd) {
+  std::promise<void> release;
+  std::promise<void> ended;
+  PublisherSettings made = settings(1);
+  std::atomic<bool> asked = false;
+  made.resolver = [&asked, released = release.get_future().share()](const config::Endpoint&) {
+    asked = true;
+    released.wait();
+    return std::vector<std::string>{};
+  };
+  make(std::move(made));
+  ASSERT_TRUE(run_until([&asked] { return asked.load(); }));
+  publisher->publish({{.topic = "a", .payload = "1"}});
+  EXPECT_LT(stop(), 6s) << "although name resolution still hangs";
+  release.set_value();
+}
+
+TEST_F(MqttPublisher, TriesEveryAddressOfAName) {
+  TinyBroker broker({});
+  PublisherSettings made = settings(broker.port());
+  made.broker.host = "broker.example";
+  made.resolver = [](const config::Endpoint&) { return std::vector<std::string>{"127.0.0.2", "127.0.0.1"}; };
+  make(std::move(made));
+  EXPECT_TRUE(connected());
+}
+
+TEST_F(MqttPublisher, ANameWithoutAddressIsSaid) {
+  PublisherSettings made = settings(1);
+  made.resolver = [](const config::Endpoint&) { return std::vector<std::string>{}; };
+  make(std::move(made));
+  ASSERT_TRUE(run_until([this] { return !notices.empty(); }));
+  EXPECT_NE(notices[0].find("has no address"), std::string::npos) << notices[0];
+  EXPECT_LT(stop(), 2s);
+}
+
+TEST_F(MqttPublisher, ResolvesNumericAddresses) {
+  EXPECT_EQ(resolve({"127.0.0.1", 1883}), std::vector<std::string>{"127.0.0.1"});
+  EXPECT_EQ(resolve({"::1", 1883}), std::vector<std::string>{"::1"});
+}
+
+TEST_F(MqttPublisher, EndsWithoutEverHavingBeenStopped) {
+  TinyBroker broker({});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  publisher.reset();
+  context.poll();
+  EXPECT_EQ(disconnections, 0U) << "nothing arrives any more";
+}
+
+}  // namespace
+}  // namespace mqtt

@@ -1,0 +1,174 @@
+#include "tests/unit/mqtt/tiny_broker.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace mqtt::test {
+namespace {
+
+constexpr int kMqtt5 = 5;
+constexpr std::uint8_t kConnect = 1;
+constexpr std::uint8_t kPublish = 3;
+constexpr std::uint8_t kSubscribe = 8;
+constexpr std::uint8_t kPing = 12;
+constexpr std::uint8_t kDisconnect = 14;
+
+bool readable(int socket) {
+  pollfd wait{socket, POLLIN, 0};
+  return poll(&wait, 1, 20) > 0;
+}
+
+void send_bytes(int client, std::initializer_list<std::uint8_t> bytes) {
+  const std::vector<std::uint8_t> copy(bytes);
+  (void)send(client, copy.data(), copy.size(), MSG_NOSIGNAL);
+}
+
+// One packet: its first byte and what follows the length (MQTT 3.1.1 §2.2).
+bool receive_exactly(int client, std::uint8_t* to, std::size_t size) {
+  for (std::size_t have = 0; have < size;) {
+    const ssize_t got = recv(client, to + have, size - have, 0);
+    if (got <= 0) {
+      return false;
+    }
+    have += static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+bool receive_packet(int client, std::uint8_t& first, std::vector<std::uint8_t>& body) {
+  if (!receive_exactly(client, &first, 1)) {
+    return false;
+  }
+  std::size_t length = 0;
+  unsigned shift = 0;
+  std::uint8_t byte = 0x80;
+  while ((byte & 0x80U) != 0) {
+    if (!receive_exactly(client, &byte, 1)) {
+      return false;
+    }
+    length |= static_cast<std::size_t>(byte & 0x7FU) << shift;
+    shift += 7;
+  }
+  body.resize(length);
+  return receive_exactly(client, body.data(), length);
+}
+
+}  // namespace
+
+TinyBroker::TinyBroker(Manners manners) : manners_(manners), server_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof(address);
+  const bool listening = bind(server_, reinterpret_cast<const sockaddr*>(&address), length) == 0 &&
+                         listen(server_, 5) == 0 &&
+                         getsockname(server_, reinterpret_cast<sockaddr*>(&address), &length) == 0;
+  if (!listening) {
+    throw std::runtime_error("no port for the broker");
+  }
+  port_ = ntohs(address.sin_port);
+  thread_ = std::thread([this] { serve(); });
+}
+
+TinyBroker::~TinyBroker() {
+  stopping_ = true;
+  thread_.join();
+  close(server_);
+}
+
+std::vector<int> TinyBroker::levels() const {
+  const std::lock_guard lock(mutex_);
+  return levels_;
+}
+
+std::vector<std::string> TinyBroker::published() const {
+  const std::lock_guard lock(mutex_);
+  return published_;
+}
+
+void TinyBroker::serve() {
+  while (!stopping_) {
+    if (!readable(server_)) {
+      continue;
+    }
+    const int client = accept(server_, nullptr, nullptr);
+    serve_client(client);
+    close(client);
+  }
+}
+
+void TinyBroker::serve_client(int client) {
+  std::uint8_t first = 0;
+  std::vector<std::uint8_t> body;
+  while (!stopping_) {
+    if (!readable(client)) {
+      continue;
+    }
+    if (!receive_packet(client, first, body) || !answer(client, first, body)) {
+      return;
+    }
+  }
+}
+
+bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::uint8_t>& body) {
+  const auto type = static_cast<std::uint8_t>(first >> 4U);
+  if (type == kConnect) {
+    return answer_connect(client, body);
+  }
+  if (manners_.mute) {
+    return true;
+  }
+  if (type == kPublish) {
+    return take_publish(client, first, body);
+  }
+  if (type == kSubscribe) {
+    send_bytes(client, {0x90, 3, body[0], body[1], 0});  // of one filter
+  } else if (type == kPing) {
+    send_bytes(client, {0xD0, 0});
+  }
+  return type != kDisconnect;
+}
+
+bool TinyBroker::answer_connect(int client, const std::vector<std::uint8_t>& body) {
+  const int level = body.at(6);
+  {
+    const std::lock_guard lock(mutex_);
+    levels_.push_back(level);
+  }
+  if (manners_.mute) {
+    return true;
+  }
+  const bool wrong_version = level == kMqtt5 && !manners_.speaks_5;
+  const auto code = static_cast<std::uint8_t>(wrong_version ? 1 : manners_.refusal);
+  if (level == kMqtt5 && manners_.speaks_5) {
+    send_bytes(client, {0x20, 3, 0, code, 0});
+  } else {
+    send_bytes(client, {0x20, 2, 0, code});
+  }
+  return code == 0;
+}
+
+bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<std::uint8_t>& body) {
+  const std::size_t length = static_cast<std::size_t>(body.at(0)) << 8U | body.at(1);
+  const auto topic_end = body.begin() + 2 + static_cast<std::ptrdiff_t>(length);
+  std::string text(body.begin() + 2, topic_end);
+  auto payload = topic_end;
+  if ((first & 0x06U) != 0) {
+    send_bytes(client, {0x40, 2, *topic_end, *(topic_end + 1)});
+    payload += 2;
+  }
+  text += '=';
+  text.append(payload, body.end());
+  const std::lock_guard lock(mutex_);
+  published_.push_back(std::move(text));
+  return true;
+}
+
+}  // namespace mqtt::test

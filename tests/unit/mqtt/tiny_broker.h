@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace mqtt::test {
+
+/// A broker made of a few bytes, for what no real one does on demand. Serves one connection at a time.
+class TinyBroker {
+ public:
+  struct Manners {
+    bool speaks_5 = false;  ///< Else it refuses MQTT 5 as 3.1.1 prescribes.
+    bool mute = false;      ///< Accepts the connection and says nothing at all.
+    int refusal = 0;        ///< CONNACK code for everybody.
+  };
+
+  explicit TinyBroker(Manners manners);
+  ~TinyBroker();
+  TinyBroker(const TinyBroker&) = delete;
+  TinyBroker& operator=(const TinyBroker&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
+  /// Protocol levels of the CONNECTs seen: 5, 4.
+  [[nodiscard]] std::vector<int> levels() const;
+  /// `topic=payload` of every PUBLISH seen.
+  [[nodiscard]] std::vector<std::string> published() const;
+
+ private:
+  void serve();
+  void serve_client(int client);
+  /// False: this packet ends the connection.
+  bool answer(int client, std::uint8_t type, const std::vector<std::uint8_t>& body);
+  bool answer_connect(int client, const std::vector<std::uint8_t>& body);
+  bool take_publish(int client, std::uint8_t type, const std::vector<std::uint8_t>& body);
+
+  Manners manners_;
+  int server_;
+  std::uint16_t port_ = 0;
+  std::atomic<bool> stopping_ = false;
+  mutable std::mutex mutex_;
+  std::vector<int> levels_;
+  std::vector<std::string> published_;
+  std::thread thread_;
+};
+
+}  // namespace mqtt::test

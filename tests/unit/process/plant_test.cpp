@@ -1,0 +1,90 @@
+#include "bridges/process/plant.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/process/drive_bench.h"
+
+namespace process {
+namespace {
+
+using canopen::BusCondition;
+using namespace std::chrono_literals;
+
+class PlantTest : public testing::Test {
+ protected:
+  PlantTest() {
+    config::Bus bus;
+    bus.name = "can0";
+    model_.buses = {bus};
+    model_.drives = {test::drive(), test::drive()};
+    model_.drives[1].name = "pump2";
+    model_.drives[1].node.node = 6;
+    model_.drives[1].node.tpdos.clear();
+    bus_.start();
+    plant_ = std::make_unique<Plant>(loop_.executor(), model_,
+                                     std::vector<Plant::BusPort>{{&bus_, [] {
+                                                                    canopen::BusStatistics statistics;
+                                                                    statistics.frames_sent = 42;
+                                                                    return statistics;
+                                                                  }}});
+    plant_->add(observer_);
+  }
+  ~PlantTest() override {
+    const auto stopped = support::spawn(loop_.executor(), plant_->stop());
+    loop_.settle();
+    EXPECT_TRUE(*stopped);
+    plant_.reset();
+    const auto bus_stopped = support::spawn(loop_.executor(), bus_.stop());
+    loop_.settle();
+    EXPECT_TRUE(*bus_stopped);
+  }
+
+  support::HandDrivenLoop loop_;
+  canopen::VirtualBus wire_{loop_.executor()};
+  canopen::Bus bus_{loop_.executor(), wire_.connect(), {}};
+  support::ScriptedSlave slave_{loop_.executor(), wire_, 5};
+  config::Model model_;
+  RecordedObserver observer_;
+  std::unique_ptr<Plant> plant_;
+};
+
+TEST_F(PlantTest, CountsDrivesOnlineAndWithAlarm) {
+  slave_.set({0x1000, 0}, canopen::DataType::u32, 0);
+  slave_.set({0x1001, 0}, canopen::DataType::u8, 0);
+  slave_.set({0x1017, 0}, canopen::DataType::u16, 500);
+  ASSERT_EQ(plant_->size(), 2U);
+  EXPECT_EQ(plant_->drive(1).index(), 1U);
+  EXPECT_EQ(plant_->drive(1).model().name, "pump2");
+  plant_->start();
+  slave_.boot_up();
+  loop_.advance(2500ms);
+  EXPECT_EQ(plant_->online(), 1U);
+  EXPECT_TRUE(plant_->drive(1).alarm(AlarmKind::heartbeat).active);
+  EXPECT_GE(plant_->with_alarm(), 1U);
+  EXPECT_GT(observer_.statuses, 0);
+}
+
+TEST_F(PlantTest, BusStateAndAlarm) {
+  EXPECT_FALSE(plant_->bus_alarm(0).active);
+  plant_->set_bus_state(0, {BusCondition::error_active, 0, 0});
+  EXPECT_FALSE(plant_->bus_alarm(0).active);
+  plant_->set_bus_state(0, {BusCondition::passive, 128, 0});
+  EXPECT_TRUE(plant_->bus_alarm(0).active);
+  EXPECT_EQ(plant_->bus_alarm(0).severity, config::Severity::warning);
+  EXPECT_EQ(plant_->bus_state(0).transmit_errors, 128);
+  const std::string id = plant_->bus_alarm(0).id;
+  plant_->set_bus_state(0, {BusCondition::bus_off, 255, 0});
+  EXPECT_EQ(plant_->bus_alarm(0).severity, config::Severity::fault);
+  EXPECT_EQ(plant_->bus_alarm(0).id, id);
+  EXPECT_EQ(plant_->bus_alarm(0).text, "bus-off: the controller has left the bus");
+  plant_->set_bus_state(0, {BusCondition::error_active, 0, 0});
+  EXPECT_FALSE(plant_->bus_alarm(0).active);
+  plant_->set_bus_state(0, {BusCondition::down, 0, 0});
+  EXPECT_NE(plant_->bus_alarm(0).id, id);
+  EXPECT_EQ(plant_->bus_alarm(0).count, 2U);
+  EXPECT_EQ(observer_.buses.size(), 5U);
+  EXPECT_EQ(plant_->bus_statistics(0).frames_sent, 42U);
+}
+
+}  // namespace
+}  // namespace process

@@ -1,0 +1,163 @@
+#include "simulator/misbehave.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/simulator/test_bench.h"
+
+namespace simulator {
+namespace {
+
+constexpr std::uint8_t kNode = 6;
+constexpr std::uint32_t kAnswer = 0x580U + kNode;
+
+class MisbehaveTest : public ::testing::Test {
+ protected:
+  MisbehaveTest() : bench("vacon-opte6", kNode, with_heartbeat()) {}
+  static DriveOptions with_heartbeat() {
+    DriveOptions options;
+    options.heartbeat_ms = 100;
+    return options;
+  }
+  std::optional<canopen::Frame> read_device_type() { return bench.sdo(kNode, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0}); }
+  Misbehaviour& misbehave() { return bench.drive().misbehaviour(); }
+
+  OneDrive bench;
+};
+
+TEST_F(MisbehaveTest, MuteSendsNothingAndHears) {
+  misbehave().mute = true;
+  bench.start();
+  bench.advance(seconds(1));
+  EXPECT_FALSE(read_device_type().has_value());
+  EXPECT_TRUE(bench.heard.empty());
+  EXPECT_EQ(bench.drive().state(), NmtState::operational);
+  misbehave().mute = false;
+  bench.advance(milliseconds(100));
+  EXPECT_EQ(bench.heard.size(), 1U);
+}
+
+TEST_F(MisbehaveTest, UnpluggedHearsNothingEither) {
+  misbehave().unplugged = true;
+  bench.start();
+  bench.advance(seconds(1));
+  EXPECT_TRUE(bench.heard.empty());
+  EXPECT_EQ(bench.drive().state(), NmtState::pre_operational);
+}
+
+TEST_F(MisbehaveTest, HeartbeatsStopAloneAndBootUpsGoMissing) {
+  misbehave().heartbeat_stopped = true;
+  bench.advance(seconds(1));
+  EXPECT_TRUE(bench.heard.empty());
+  EXPECT_TRUE(read_device_type().has_value());
+  misbehave().boot_up_missing = true;
+  bench.nmt(0x81, kNode);
+  EXPECT_TRUE(bench.heard.empty());
+}
+
+TEST_F(MisbehaveTest, SlowAnswersComeLateAndInOrder) {
+  misbehave().sdo_delay = milliseconds(200);
+  EXPECT_FALSE(read_device_type().has_value());
+  bench.advance(milliseconds(100));
+  bench.send(0x606, {0x40, 0x18, 0x10, 1, 0, 0, 0, 0});
+  bench.advance(milliseconds(99));
+  EXPECT_TRUE(bench.take(kAnswer).empty());
+  bench.advance(milliseconds(1));
+  auto answers = bench.take(kAnswer);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].data[2], 0x10);
+  EXPECT_EQ(answers[0].data[1], 0x00);
+  bench.advance(milliseconds(100));
+  answers = bench.take(kAnswer);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].data[1], 0x18);
+}
+
+TEST_F(MisbehaveTest, LateAnswersDieWithTheDrive) {
+  misbehave().sdo_delay = milliseconds(200);
+  EXPECT_FALSE(read_device_type().has_value());
+  bench.nmt(0x82, kNode);
+  bench.advance(seconds(1));
+  EXPECT_TRUE(bench.take(kAnswer).empty());
+}
+
+TEST_F(MisbehaveTest, ASlowDriveHoldsABoundedNumberOfAnswers) {
+  misbehave().sdo_delay = seconds(1);
+  for (int i = 0; i < 200; ++i) {
+    bench.send(0x606, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0});
+  }
+  bench.advance(seconds(2));
+  EXPECT_EQ(bench.take(kAnswer).size(), 64U);
+}
+
+TEST_F(MisbehaveTest, NoLateAnswerInStopped) {
+  misbehave().sdo_delay = milliseconds(200);
+  EXPECT_FALSE(read_device_type().has_value());
+  bench.nmt(0x02, kNode);
+  bench.advance(seconds(1));
+  EXPECT_TRUE(bench.take(kAnswer).empty());
+}
+
+TEST_F(MisbehaveTest, DropsTheNextRequests) {
+  misbehave().sdo_drops_left = 2;
+  EXPECT_FALSE(read_device_type().has_value());
+  EXPECT_FALSE(read_device_type().has_value());
+  EXPECT_TRUE(read_device_type().has_value());
+  EXPECT_EQ(bench.drive().record().sdo_reads.at({0x1000, 0}), 1U);
+}
+
+TEST_F(MisbehaveTest, ForeignAnswers) {
+  misbehave().sdo_flaw = SdoFlaw::foreign_index;
+  EXPECT_EQ(read_device_type(), frame(kAnswer, {0x43, 0x01, 0x10, 0, 0x92, 0x01, 0x01, 0x00}));
+  misbehave().sdo_flaw = SdoFlaw::foreign_sub_index;
+  EXPECT_EQ(read_device_type(), frame(kAnswer, {0x43, 0x00, 0x10, 1, 0x92, 0x01, 0x01, 0x00}));
+  misbehave().sdo_flaw = SdoFlaw::unknown_command;
+  EXPECT_EQ(read_device_type()->data[0], 0xE0);
+}
+
+TEST_F(MisbehaveTest, FlawsCanBeCounted) {
+  misbehave().sdo_flaw = SdoFlaw::abort;
+  misbehave().abort_code = 0x08000022;
+  misbehave().flaws_left = 1;
+  EXPECT_EQ(read_device_type(), frame(kAnswer, {0x80, 0x00, 0x10, 0, 0x22, 0x00, 0x00, 0x08}));
+  EXPECT_EQ(read_device_type()->data[0], 0x43);
+  EXPECT_EQ(misbehave().flaws_left, 0U);
+}
+
+TEST_F(MisbehaveTest, WrongToggleMeetsSegmentsOnly) {
+  misbehave().sdo_flaw = SdoFlaw::wrong_toggle;
+  EXPECT_EQ(bench.sdo(kNode, {0x40, 0x08, 0x10, 0, 0, 0, 0, 0})->data[0], 0x41);
+  EXPECT_EQ(bench.sdo(kNode, {0x60, 0, 0, 0, 0, 0, 0, 0})->data[0], 0x10);
+}
+
+TEST_F(MisbehaveTest, AnswersCutShort) {
+  misbehave().sdo_short = true;
+  EXPECT_EQ(bench.sdo(kNode, {0x40, 0x17, 0x10, 0, 0, 0, 0, 0}), frame(kAnswer, {0x4B, 0x17, 0x10, 0, 100, 0}));
+  EXPECT_EQ(bench.sdo(kNode, {0x2B, 0x17, 0x10, 0, 100, 0, 0, 0}), frame(kAnswer, {0x60, 0x17, 0x10, 0}));
+  EXPECT_EQ(bench.sdo(kNode, {0x40, 0x34, 0x12, 0, 0, 0, 0, 0})->size, 8);
+}
+
+TEST_F(MisbehaveTest, FramesOfAWrongLength) {
+  misbehave().sdo_length = 3;
+  EXPECT_EQ(read_device_type(), frame(kAnswer, {0x43, 0x00, 0x10}));
+  misbehave() = {};
+  misbehave().heartbeat_length = 0;
+  bench.advance(milliseconds(100));
+  EXPECT_EQ(bench.take(0x706).back(), frame(0x706, {}));
+  misbehave().emcy_length = 2;
+  bench.drive().fault(1);
+  bench.loop.settle();
+  EXPECT_EQ(bench.take(0x086), std::vector{frame(0x086, {0x00, 0x10})});
+}
+
+TEST_F(MisbehaveTest, TpdosOfAWrongLength) {
+  OneDrive veichi("veichi-ac300", kNode);
+  veichi.drive().misbehaviour().tpdo_length = 5;
+  veichi.start();
+  EXPECT_EQ(veichi.last(0x186)->size, 5);
+  veichi.drive().misbehaviour().tpdo_length = 8;
+  veichi.advance(milliseconds(200));
+  EXPECT_EQ(veichi.last(0x286)->size, 8);
+}
+
+}  // namespace
+}  // namespace simulator
