@@ -17,6 +17,7 @@ constexpr Duration kNmtTime = std::chrono::seconds(1);
 
 boost::asio::awaitable<void> RemoteNode::Supervisor::take_over() {
   phase_ = Phase::inspecting;
+  hold_ = Hold::none;  // Somebody has started it.
   if (!watch_.watching()) {
     watch_.watch(Clock::now());
   }
@@ -137,9 +138,6 @@ boost::asio::awaitable<std::optional<BootFailure>> RemoteNode::Supervisor::start
 
 void RemoteNode::Supervisor::arrive(Arrival arrival) {
   phase_ = Phase::online;
-  if (arrival == Arrival::taken_over) {
-    hold_ = Hold::none;
-  }
   watch_.watch(Clock::now());
   change_status([this](NodeStatus& status) {
     status.online = true;

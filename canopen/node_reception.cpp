@@ -102,7 +102,9 @@ void RemoteNode::Supervisor::on_state_online(NmtState state, TimePoint at) {
       });
       return;
     }
-    hold_ = Hold::none;
+    if (status_.nmt != NmtState::operational) {
+      hold_ = Hold::none;  // Started, by whomever. Else a stop of ours may still be on its way.
+    }
   } else {
     if (status_.nmt == NmtState::operational) {
       rpdos_.cease();
@@ -131,6 +133,7 @@ void RemoteNode::Supervisor::on_tpdo(const Tpdo& tpdo, const Received& received)
     arrive(Arrival::booted);
   } else if (phase_ != Phase::online && !signs_.state) {
     signs_.state = NmtState::operational;
+    change_status([](NodeStatus& status) { status.nmt = NmtState::operational; });
     changed_.notify();
   }
   if (phase_ != Phase::online) {

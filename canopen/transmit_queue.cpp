@@ -44,12 +44,12 @@ TransmitQueue::Ticket TransmitQueue::push_command(const Frame& frame, TimePoint 
     complete(completion, Departure::offline);
     return ticket;
   }
-  std::erase_if(waiting_,
-                [&](const Waiting& entry) { return entry.kind == Kind::latest && entry.frame.id == frame.id; });
   if (deadline <= now || waiting_.size() >= kCapacity) {
     complete(completion, Departure::withdrawn);
     return ticket;
   }
+  std::erase_if(waiting_,
+                [&](const Waiting& entry) { return entry.kind == Kind::latest && entry.frame.id == frame.id; });
   enqueue({frame, Kind::command, deadline, ticket, std::move(completion)});
   return ticket;
 }
@@ -64,13 +64,13 @@ void TransmitQueue::cancel(Ticket ticket) {
 }
 
 void TransmitQueue::withdraw(std::uint32_t cob_id) {
-  std::erase_if(waiting_, [&](Waiting& entry) {
-    if (entry.kind == Kind::ordinary || entry.frame.id != cob_id) {
-      return false;
+  const auto is_such = [&](const Waiting& entry) { return entry.kind != Kind::ordinary && entry.frame.id == cob_id; };
+  for (Waiting& entry : waiting_) {
+    if (is_such(entry)) {
+      complete(entry.completion, Departure::withdrawn);
     }
-    complete(entry.completion, Departure::withdrawn);
-    return true;
-  });
+  }
+  std::erase_if(waiting_, is_such);
 }
 
 // The kernel gives frames back in the order it got them; a controller with several mailboxes may swap neighbours. The

@@ -48,8 +48,7 @@ void advise_on_rpdos(DriveDraft& draft) {
 
 void advise(DriveDraft& draft) {
   if (draft.site.find("on_stale") != nullptr && draft.drive.on_stale == OnStale::zero) {
-    draft.warning(place_of(draft.site, "on_stale"),
-                  "on_stale = \"zero\" shows a lost drive as one that stands still");
+    draft.warning(place_of(draft.site, "on_stale"), "on_stale = \"zero\" shows a lost drive as one that stands still");
   }
   if (!takes_commands(draft.drive)) {
     return;

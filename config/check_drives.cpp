@@ -55,8 +55,8 @@ void check_nodes(const Model& model, const Tables& tables, std::size_t bus_numbe
     const auto [owner, first] = owners.try_emplace(node, "drive \"" + drive.name + "\"");
     if (!first) {
       report.error(place_of(*tables[i], "node"), "drive \"" + drive.name + "\": node " + std::to_string(node) +
-                                                          " on bus \"" + bus.name + "\" is that of " + owner->second +
-                                                          "; " + free_number(taken, kLastNode));
+                                                     " on bus \"" + bus.name + "\" is that of " + owner->second + "; " +
+                                                     free_number(taken, kLastNode));
     }
   }
 }

@@ -40,10 +40,9 @@ void lay_presets(DriveDraft& draft, const Profile& profile) {
   for (const Node* const asked : read_texts(draft.site, "presets")) {
     const Node* const preset = presets == nullptr ? nullptr : read_table(*presets, asked->text);
     if (preset == nullptr) {
-      draft.error(asked->place, presets == nullptr
-                                    ? "profile \"" + profile.name + "\" has no presets"
-                                    : "preset \"" + asked->text + "\" is not known; nearest is \"" +
-                                          nearest_key(asked->text, *presets) + "\"");
+      draft.error(asked->place, presets == nullptr ? "profile \"" + profile.name + "\" has no presets"
+                                                   : "preset \"" + asked->text + "\" is not known; nearest is \"" +
+                                                         nearest_key(asked->text, *presets) + "\"");
       continue;
     }
     if (std::find(used.begin(), used.end(), asked->text) != used.end()) {

@@ -34,8 +34,7 @@ bool is_unused(const PdoDraft& pdo, ObjectAddress object) {
 
 void error_of(const DriveDraft& draft, const SignalDraft& signal, std::string_view key, const std::string& text) {
   const bool at_key = signal.table->find(key) != nullptr;
-  draft.error(at_key ? place_of(*signal.table, key) : signal.place,
-              "signal \"" + signal.signal.name + "\" " + text);
+  draft.error(at_key ? place_of(*signal.table, key) : signal.place, "signal \"" + signal.signal.name + "\" " + text);
 }
 
 /// The PDO that serves a signal: the one `source` names, else the first that maps its object the right way round.
@@ -115,10 +114,11 @@ FieldUse use_of(const DriveDraft& draft, const PdoDraft& pdo, ObjectAddress obje
 void check_writable_once(const DriveDraft& draft) {
   for (std::size_t i = 0; i < draft.signals.size(); ++i) {
     const SignalDraft& signal = draft.signals[i];
-    const auto same = std::find_if(draft.signals.begin(), draft.signals.begin() + static_cast<std::ptrdiff_t>(i),
-                                   [&signal](const SignalDraft& other) {
-                                     return writable(other.signal.access) && other.signal.object == signal.signal.object;
-                                   });
+    const auto same =
+        std::find_if(draft.signals.begin(), draft.signals.begin() + static_cast<std::ptrdiff_t>(i),
+                     [&signal](const SignalDraft& other) {
+                       return writable(other.signal.access) && other.signal.object == signal.signal.object;
+                     });
     if (signal.from.empty() && writable(signal.signal.access) &&
         same != draft.signals.begin() + static_cast<std::ptrdiff_t>(i)) {
       error_of(draft, signal, "object",

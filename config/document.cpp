@@ -13,8 +13,8 @@ namespace {
 // A value nested deeper than this is no configuration; toml++ itself stops at 256.
 constexpr int kMaxDepth = 32;
 
-// toml++ 3.3 limits the depth of lists and inline tables but not of dotted keys: `a.a.a. …` some ten thousand times over
-// runs its recursive destructors out of stack. So dotted keys are measured first.
+// toml++ 3.3 limits the depth of lists and inline tables but not of dotted keys: `a.a.a. …` some ten thousand times
+// over runs its recursive destructors out of stack. So dotted keys are measured first.
 constexpr int kMaxKeyParts = 16;
 
 /// Finds a dotted key of too many parts. Knows just enough of TOML to step over strings and comments.

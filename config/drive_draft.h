@@ -15,7 +15,7 @@ namespace config {
 struct PdoDraft {
   canopen::PdoSettings settings;
   const Node* table = nullptr;
-  std::string name;                            ///< `tpdo1`
+  std::string name;                              ///< `tpdo1`
   std::vector<canopen::ObjectAddress> unused{};  ///< RPDO: fields that the site declares unused.
 };
 
@@ -27,7 +27,7 @@ struct SignalDraft {
 };
 
 struct DriveDraft {
-  const Node& site;   ///< The `[[drive]]` table.
+  const Node& site;  ///< The `[[drive]]` table.
   Report& report;
   std::string where;  ///< Begins its findings: `drive "pump1"`.
   Bus bus{};          ///< Its bus, or one with defaults where that is not known.

@@ -82,7 +82,8 @@ Network masked(const Network& network) {
     return network;
   }
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const unsigned kept = network.prefix > i * 8 ? std::min<unsigned>(network.prefix - static_cast<unsigned>(i * 8), 8) : 0;
+    const unsigned kept =
+        network.prefix > i * 8 ? std::min<unsigned>(network.prefix - static_cast<unsigned>(i * 8), 8) : 0;
     bytes.at(i) = static_cast<std::uint8_t>(bytes.at(i) & (0xFF00U >> kept));
   }
   std::array<char, INET6_ADDRSTRLEN> text{};

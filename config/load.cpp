@@ -57,9 +57,8 @@ Drive read_drive(const Node& table, std::size_t number, const Site& site, Profil
     draft.error(place_of(table, "name"), "the name is that of a fixed topic; choose another");
   }
   const Profile* const profile =
-      draft.drive.profile.empty()
-          ? nullptr
-          : library.find(draft.drive.profile, place_of(table, "profile"), draft.where, report);
+      draft.drive.profile.empty() ? nullptr
+                                  : library.find(draft.drive.profile, place_of(table, "profile"), draft.where, report);
   if (profile == nullptr) {
     return draft.drive;
   }
@@ -133,8 +132,8 @@ std::string summary(const Model& model) {
   for (const Drive& drive : model.drives) {
     signals += drive.signals.size();
   }
-  return "ok: " + counted(model.buses.size(), "bus", "buses") + ", " +
-         counted(model.drives.size(), "drive", "drives") + ", " + counted(signals, "signal", "signals");
+  return "ok: " + counted(model.buses.size(), "bus", "buses") + ", " + counted(model.drives.size(), "drive", "drives") +
+         ", " + counted(signals, "signal", "signals");
 }
 
 }  // namespace config

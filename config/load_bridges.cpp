@@ -69,8 +69,7 @@ void read_broker(const Node& table, Mqtt& mqtt, Report& report) {
       continue;
     }
     const bool schemed = item->text.starts_with(kScheme);
-    const auto endpoint =
-        schemed ? parse_endpoint(std::string_view(item->text).substr(kScheme.size())) : std::nullopt;
+    const auto endpoint = schemed ? parse_endpoint(std::string_view(item->text).substr(kScheme.size())) : std::nullopt;
     if (!endpoint.has_value()) {
       report.error(item->place, where + "must be mqtt://HOST:PORT, such as \"mqtt://127.0.0.1:1883\"");
     } else if (item == list->items.data()) {

@@ -113,8 +113,8 @@ void read_setup(DriveDraft& draft) {
     if (canopen::is_real(*type)) {
       draft.error(place_of(*item, "type"), where + "only integers can be written at boot");
     } else if (canopen::normalise(*type, raw) != raw || (!canopen::is_signed(*type) && *value < 0)) {
-      draft.error(place_of(*item, "value"), where + "value " + std::to_string(*value) + " does not fit " +
-                                                std::string(canopen::name_of(*type)));
+      draft.error(place_of(*item, "value"),
+                  where + "value " + std::to_string(*value) + " does not fit " + std::string(canopen::name_of(*type)));
     } else if (is_commanding(draft.merged, *object)) {
       draft.error(place_of(*item, "object"), where + "it is a command, and no command is given at boot");
     } else {

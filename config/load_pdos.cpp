@@ -50,7 +50,9 @@ class PdoReader {
   }
 
  private:
-  void error(std::string_view key, const std::string& text) { draft_.error(place_of(table_, key), name_ + ": " + text); }
+  void error(std::string_view key, const std::string& text) {
+    draft_.error(place_of(table_, key), name_ + ": " + text);
+  }
 
   void read_cob_id() {
     const std::uint8_t node = draft_.drive.node.node;
@@ -121,14 +123,14 @@ class PdoReader {
   void check_type() {
     const unsigned type = pdo_.transmission_type.value_or(kEventDrivenMaker);
     if (type > kLastSynchronous && type < kEventDrivenMaker) {
-      error("transmission_type", "transmission type " + std::to_string(type) +
-                                     " is reserved or on request only; use 0..240, 254 or 255");
+      error("transmission_type",
+            "transmission type " + std::to_string(type) + " is reserved or on request only; use 0..240, 254 or 255");
       return;
     }
     const bool synchronous = type <= kLastSynchronous;
     if (synchronous && draft_.bus.sync == Duration::zero()) {
-      error("transmission_type", "transmission type " + std::to_string(type) + " needs SYNC; set sync of bus \"" +
-                                     draft_.bus.name + "\"");
+      error("transmission_type",
+            "transmission type " + std::to_string(type) + " needs SYNC; set sync of bus \"" + draft_.bus.name + "\"");
     }
     if (is_rpdo_) {
       return;

@@ -61,7 +61,7 @@ class SignalReader {
   }
 
   bool read_derived() {
-    constexpr std::array kWithout{"object", "type",     "scale",          "source", "min", "max",
+    constexpr std::array kWithout{"object", "type",      "scale",          "source", "min", "max",
                                   "values", "momentary", "momentary_mask", "as",     "poll"};
     for (const auto* const key : kWithout) {
       if (table_.find(key) != nullptr) {
@@ -224,7 +224,8 @@ void check_code_names(DriveDraft& draft) {
     const std::string code = enumerated.signal.name + "_code";
     for (const SignalDraft& other : draft.signals) {
       if (other.signal.name == code) {
-        draft.error(other.place, "signal \"" + code + "\" cannot be called that: it is the number of the enumerated \"" +
+        draft.error(other.place, "signal \"" + code +
+                                     "\" cannot be called that: it is the number of the enumerated \"" +
                                      enumerated.signal.name + "\"");
       }
     }

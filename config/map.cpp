@@ -14,9 +14,8 @@ namespace {
 constexpr std::size_t kColumns = 13;
 using Row = std::array<std::string, kColumns>;
 
-constexpr std::array<std::string_view, kColumns> kHeadings{"drive", "signal", "object", "type",   "scale",
-                                                           "unit",  "access", "source", "min",    "max",
-                                                           "modbus", "topic", "set"};
+constexpr std::array<std::string_view, kColumns> kHeadings{
+    "drive", "signal", "object", "type", "scale", "unit", "access", "source", "min", "max", "modbus", "topic", "set"};
 
 std::string number_of(const std::optional<double>& number) {
   return number.has_value() ? to_text(*number) : "";
@@ -43,8 +42,8 @@ std::vector<Row> rows_of(const Model& model) {
       rows.push_back({drive.name, signal.name, canopen::to_string(signal.object),
                       std::string(canopen::name_of(signal.type)), to_text(signal.scale), signal.unit,
                       std::string(name_of(signal.access)), to_string(signal.source), number_of(signal.min),
-                      number_of(signal.max), modbus_of(drive, signal),
-                      value_topic(model, drive, signal).value_or(""), set_topic(model, drive, signal).value_or("")});
+                      number_of(signal.max), modbus_of(drive, signal), value_topic(model, drive, signal).value_or(""),
+                      set_topic(model, drive, signal).value_or("")});
     }
   }
   return rows;
@@ -52,8 +51,8 @@ std::vector<Row> rows_of(const Model& model) {
 
 /// Characters, not bytes, so that "°C" keeps its column.
 std::size_t width_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 std::string render_table(const Model& model) {

@@ -55,13 +55,12 @@ std::string modbus_of(const Drive& drive, const ModbusPlace& place) {
 }
 
 std::string signal_of(const Model& model, const Drive& drive, const Signal& signal) {
-  return "{\"name\": " + quoted(signal.name) +
-         ", \"object\": " + quoted(canopen::to_string(signal.object)) +
+  return "{\"name\": " + quoted(signal.name) + ", \"object\": " + quoted(canopen::to_string(signal.object)) +
          ", \"type\": " + quoted(canopen::name_of(signal.type)) + ", \"scale\": " + to_text(signal.scale) +
          ", \"unit\": " + quoted(signal.unit) + ", \"access\": " + quoted(name_of(signal.access)) +
-         ", \"source\": " + quoted(to_string(signal.source)) +
-         ", \"min\": " + number_of(signal.min) + ", \"max\": " + number_of(signal.max) +
-         ", \"values\": " + values_of(signal) + ", \"modbus\": " + modbus_of(drive, signal.modbus) +
+         ", \"source\": " + quoted(to_string(signal.source)) + ", \"min\": " + number_of(signal.min) +
+         ", \"max\": " + number_of(signal.max) + ", \"values\": " + values_of(signal) +
+         ", \"modbus\": " + modbus_of(drive, signal.modbus) +
          ", \"mqtt\": {\"topic\": " + quoted_or_null(value_topic(model, drive, signal)) +
          ", \"set\": " + quoted_or_null(set_topic(model, drive, signal)) + "}}";
 }
@@ -82,16 +81,15 @@ std::optional<std::string> set_topic(const Model& model, const Drive& drive, con
 }
 
 std::string render_map_json(const Model& model) {
-  std::string out = "{\"gateway\": " + quoted(model.gateway.name) +
-                    ", \"base\": " + quoted(base_topic(model)) + ",\n \"drives\": [";
+  std::string out =
+      "{\"gateway\": " + quoted(model.gateway.name) + ", \"base\": " + quoted(base_topic(model)) + ",\n \"drives\": [";
   bool first_drive = true;
   for (const Drive& drive : model.drives) {
     const std::string bus = drive.bus < model.buses.size() ? model.buses[drive.bus].name : "";
     out += first_drive ? "" : ",\n  ";
     first_drive = false;
     out += "{\"name\": " + quoted(drive.name) + ", \"bus\": " + quoted(bus) +
-           ", \"node\": " + std::to_string(drive.node.node) +
-           ", \"profile\": " + quoted(drive.profile) +
+           ", \"node\": " + std::to_string(drive.node.node) + ", \"profile\": " + quoted(drive.profile) +
            ", \"modbus_unit\": " + (drive.unit.has_value() ? std::to_string(*drive.unit) : "null") +
            ",\n   \"signals\": [";
     bool first_signal = true;

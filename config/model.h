@@ -81,7 +81,7 @@ struct Signal {
   std::optional<double> max;
   std::map<std::int64_t, std::string> values;  ///< Enumeration of raw numbers; empty: none.
   std::vector<std::uint64_t> momentary;        ///< Raw values that are forgotten once sent (fault reset, jog).
-  std::uint64_t momentary_mask = 0;  ///< So is a value with one of these bits (CiA 402: fault reset, bit 7).
+  std::uint64_t momentary_mask = 0;            ///< So is a value with one of these bits (CiA 402: fault reset, bit 7).
   ModbusPlace modbus;
   Duration poll = std::chrono::seconds(1);         ///< Of a readable SDO signal.
   double deadband = 0.0;                           ///< MQTT: a smaller change causes no publish. Engineering units.

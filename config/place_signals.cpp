@@ -14,17 +14,24 @@ struct FixedPlace {
 };
 
 // The same in every profile, so that one screen fits all drives.
-constexpr std::array<FixedPlace, 17> kRegisters{{{"status_word", 0},        {"fault_code", 1},
-                                                 {"output_frequency", 2},   {"output_current", 3},
-                                                 {"motor_speed", 4},        {"output_torque", 5},
-                                                 {"output_power", 6},       {"output_voltage", 7},
-                                                 {"input_voltage", 8},      {"dc_bus_voltage", 9},
-                                                 {"module_temperature", 10}, {"actual_velocity", 11},
-                                                 {"velocity_demand", 12},   {"control_command", 100},
-                                                 {"frequency_command", 101}, {"torque_command", 102},
+constexpr std::array<FixedPlace, 17> kRegisters{{{"status_word", 0},
+                                                 {"fault_code", 1},
+                                                 {"output_frequency", 2},
+                                                 {"output_current", 3},
+                                                 {"motor_speed", 4},
+                                                 {"output_torque", 5},
+                                                 {"output_power", 6},
+                                                 {"output_voltage", 7},
+                                                 {"input_voltage", 8},
+                                                 {"dc_bus_voltage", 9},
+                                                 {"module_temperature", 10},
+                                                 {"actual_velocity", 11},
+                                                 {"velocity_demand", 12},
+                                                 {"control_command", 100},
+                                                 {"frequency_command", 101},
+                                                 {"torque_command", 102},
                                                  {"target_velocity", 103}}};
-constexpr std::array<FixedPlace, 5> kBits{
-    {{"running", 0}, {"reverse", 1}, {"fault", 2}, {"warning", 3}, {"ready", 4}}};
+constexpr std::array<FixedPlace, 5> kBits{{{"running", 0}, {"reverse", 1}, {"fault", 2}, {"warning", 3}, {"ready", 4}}};
 
 // Below stand the fixed addresses, from 1000 the diagnostics of the drive.
 constexpr unsigned kFirstFree = 200;
@@ -83,8 +90,8 @@ class Placer {
     for (unsigned address = kFirstFree; address + place.count <= kPastLast; address += place.count) {
       place.address = static_cast<std::uint16_t>(address);
       const bool diagnostics = address < kPastDiagnostics && address + place.count > kDiagnostics;
-      if (!diagnostics &&
-          std::none_of(placed_.begin(), placed_.end(), [&](const auto* p) { return overlaps(p->signal.modbus, place); })) {
+      if (!diagnostics && std::none_of(placed_.begin(), placed_.end(),
+                                       [&](const auto* p) { return overlaps(p->signal.modbus, place); })) {
         return std::to_string(address);
       }
     }

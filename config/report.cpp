@@ -20,6 +20,9 @@ void Report::warning(Place place, std::string text) {
 }
 
 void Report::add(Place place, Finding::Level level, std::string text) {
+  // A finding is one line, whatever stood between quotation marks in the file.
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
   noted_.push_back({.place = place, .level = level, .text = std::move(text)});
 }
 
@@ -29,11 +32,8 @@ bool Report::has_errors() const noexcept {
 }
 
 Findings Report::take() {
-  const auto rank = [](const Noted& noted) {
-    return std::tie(noted.place.file, noted.place.line, noted.place.column);
-  };
-  std::stable_sort(noted_.begin(), noted_.end(),
-                   [&rank](const Noted& a, const Noted& b) { return rank(a) < rank(b); });
+  const auto rank = [](const Noted& noted) { return std::tie(noted.place.file, noted.place.line, noted.place.column); };
+  std::stable_sort(noted_.begin(), noted_.end(), [&rank](const Noted& a, const Noted& b) { return rank(a) < rank(b); });
   Findings findings;
   for (Noted& noted : noted_) {
     // Two drives of one profile meet the same mistake in it.

@@ -17,8 +17,8 @@ constexpr std::int64_t kDay = ns(std::chrono::hours(24));
 // What an object of milliseconds in 16 bits holds (0x1017, event timers).
 constexpr std::int64_t kMs16 = ns(milliseconds(65535));
 
-constexpr std::array kGatewayKeys{
-    Key{.name = "name", .kind = KeyKind::name, .standard = "the host's name", .meaning = "Second part of every topic."}};
+constexpr std::array kGatewayKeys{Key{
+    .name = "name", .kind = KeyKind::name, .standard = "the host's name", .meaning = "Second part of every topic."}};
 constexpr Section kGateway{.title = "[gateway]", .keys = kGatewayKeys};
 
 constexpr std::array kBusKeys{
@@ -219,8 +219,9 @@ constexpr std::array kDriveKeys{
     Key{.name = "settings",
         .kind = KeyKind::numbered,
         .standard = "the profile's",
-        .meaning = "What the freely assigned set-points of the drive mean: `{ 1 = \"frequency_command\" }`; `\"unused\"` "
-                   "sends 0.",
+        .meaning =
+            "What the freely assigned set-points of the drive mean: `{ 1 = \"frequency_command\" }`; `\"unused\"` "
+            "sends 0.",
         .min = 1,
         .max = 64},
     Key{.name = "returns",
@@ -241,7 +242,11 @@ constexpr std::array kRootKeys{
         .section = &kModbus},
     Key{.name = "mqtt", .kind = KeyKind::table, .standard = "off", .meaning = "The MQTT client.", .section = &kMqtt},
     Key{.name = "http", .kind = KeyKind::table, .standard = "off", .meaning = "Metrics.", .support = Support::none},
-    Key{.name = "drive", .kind = KeyKind::tables, .meaning = "The drives.", .section = &kDriveSection, .required = true}};
+    Key{.name = "drive",
+        .kind = KeyKind::tables,
+        .meaning = "The drives.",
+        .section = &kDriveSection,
+        .required = true}};
 
 }  // namespace
 

@@ -119,9 +119,8 @@ bool is_signal_name(std::string_view text) noexcept {
 }
 
 bool is_plain_text(std::string_view text) noexcept {
-  return text.size() <= 200 && std::none_of(text.begin(), text.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
-  });
+  return text.size() <= 200 && std::none_of(text.begin(), text.end(),
+                                            [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
 }
 
 std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped(std::string_view text) {

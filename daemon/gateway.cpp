@@ -46,6 +46,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     mqtt_ = std::make_unique<mqtt::Bridge>(executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION,
                                            mqtt::make_publisher(executor, *model.mqtt, model.gateway, log_notice),
                                            log_notice);
+    plant_.add(*mqtt_);
     if (modbus_) {
       mqtt_->on_connected_change([this](bool connected) { modbus_->set_mqtt_connected(connected); });
     }

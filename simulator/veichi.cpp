@@ -229,10 +229,10 @@ void Veichi::raise_fault(std::uint16_t code) {
   }
   fault_ = code;
   drive_->motor().coast();
-  // Bytes 0-1 and 3-7 both hold the drive's code; register: error and vendor bits.
+  // Bytes 0-1 and 3-7 both hold the drive's code; register: the error bit.
   const auto low = static_cast<std::uint8_t>(code);
   const auto high = static_cast<std::uint8_t>(code >> 8U);
-  drive_->emergency().raise(ErrorSource::drive, {code, 0x81, {low, high}});
+  drive_->emergency().raise(ErrorSource::drive, {code, 0x01, {low, high}});
 }
 
 void Veichi::raise_warning(std::uint16_t code) {

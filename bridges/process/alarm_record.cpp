@@ -1,5 +1,6 @@
 #include "bridges/process/alarm_record.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -52,6 +53,19 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
     return false;
   }
   alarm_.ts = now;
+  return true;
+}
+
+bool AlarmRecord::continue_from(const Alarm& before) {
+  const bool same = alarm_.active && before.active &&
+                    std::any_of(alarm_.errors.begin(), alarm_.errors.end(),
+                                [&](const AlarmError& error) { return error.code == before.code; });
+  if (!same) {
+    return false;
+  }
+  alarm_.id = before.id;
+  alarm_.since = before.since;
+  alarm_.count = before.count;
   return true;
 }
 

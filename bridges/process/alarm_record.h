@@ -22,6 +22,9 @@ class AlarmRecord {
   bool show(bool active, std::string text, config::Severity severity, canopen::WallTime now);
   /// What was known before the gateway's start: an active alarm goes on under its old id.
   void restore(const Alarm& before);
+  /// The same, where the drive has told of its errors already: an error still active goes on under its old id, with
+  /// its beginning and count. True where it did.
+  bool continue_from(const Alarm& before);
 
  private:
   std::string name_;

@@ -90,6 +90,9 @@ void Alarms::on_data_problems(const std::vector<std::string>& problems, canopen:
 
 void Alarms::restore_emcy(const Alarm& before) {
   if (was_online_) {
+    if (record(AlarmKind::emcy).continue_from(before)) {
+      changed_(AlarmKind::emcy);
+    }
     return;
   }
   emergencies_.restore(before);

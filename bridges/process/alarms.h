@@ -33,7 +33,8 @@ class Alarms {
   void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
   /// Texts of what is wrong with TPDOs; none: nothing.
   void on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall);
-  /// The emergency alarm as it was before the gateway's start; ignored once the drive was online.
+  /// The emergency alarm as it was before the gateway's start; once the drive was online, only
+  /// the identity of an error that is still active.
   void restore_emcy(const Alarm& before);
 
   [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept;

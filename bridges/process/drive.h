@@ -53,8 +53,8 @@ class Drive {
   boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object, canopen::DataType type);
   boost::asio::awaitable<Outcome> sdo_write(Writer writer, canopen::ObjectValue value);
 
-  /// The emergency alarm as the broker still holds it from before our start; taken only until the drive was booted or
-  /// taken over, and then shown as not confirmed.
+  /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
+  /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
   void restore_emcy(const Alarm& alarm);
 
  private:

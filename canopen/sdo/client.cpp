@@ -61,6 +61,7 @@ struct SdoClient::Exchange {
 
   SdoClient& client;
   SdoTransfer transfer;
+  TimePoint begun = Clock::now();
   TimePoint due;       ///< The next answer must be here by then.
   TimePoint deadline;  ///< `due` never passes it.
   Event ended;
@@ -262,6 +263,7 @@ void SdoClient::finish(Exchange& exchange, SdoTransfer::Step step) {
 
 void SdoClient::interrupt() {
   ++interruptions_;
+  answered_ = false;
   bus_.withdraw(kRequestBase + node_);
   if (exchange_ != nullptr && !exchange_->over) {
     exchange_->over = true;

@@ -66,7 +66,7 @@ class SdoClient {
   /// Grows with each interrupt(): a procedure of several transfers compares it to learn that it was interrupted.
   [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
 
-  /// The newest transfer got an answer, were it an abort.
+  /// The newest transfer since the last interruption got an answer, were it an abort.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
   /// Nothing is under way or waits.
   [[nodiscard]] bool idle() const noexcept { return users_ == 0; }

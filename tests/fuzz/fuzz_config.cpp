@@ -1,5 +1,5 @@
-// Any text as a site's file: it is read into a sound model, or into findings that each have a place; never into anything
-// else.
+// Any text as a site's file: it is read into a sound model, or into findings that each have a place; never into
+// anything else.
 #include <cstdint>
 #include <string_view>
 

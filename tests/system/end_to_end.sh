@@ -36,7 +36,7 @@ expect_match "mixer1 status word" '^[0-9]+$' "$(read_register 9 0)"
 
 say "no command moved anything so far"
 for node in 3 5 7 9; do
-  expect "node $node: no run command" 0.00 "$(drive_says "$node" frequency_hz)"
+  expect "node $node: no run command" 0.00 "$(drive_says "$node" frequency)"
 done
 [ "$(trace | grep -cE ' (2|3|4|5)0[3579]#')" = 0 ] || fail "an RPDO without a command"
 checks=$((checks + 1))

@@ -17,6 +17,7 @@ fail() {
   for log in "$work"/*.err; do
     [ -s "$log" ] && { echo "--- ${log##*/}"; tail -n 40 "$log"; }
   done
+  [ -s "$work/witness.out" ] && { echo "--- the newest messages"; tail -n 30 "$work/witness.out" | cut -c1-300; }
   exit 1
 }
 
@@ -43,7 +44,7 @@ wait_until() {
   shift 2
   end=$(($(date +%s%N) + ${limit%.*} * 1000000000))
   until "$@" >/dev/null 2>&1; do
-    [ "$(date +%s%N)" -lt "$end" ] || fail "not within $limit s: $what"
+    [ "$(date +%s%N)" -lt "$end" ] || fail "not within $limit s: $what ($*)"
     sleep 0.05
   done
   checks=$((checks + 1))

@@ -235,5 +235,33 @@ TEST_F(DepartureTest, ACancelledCommandIsWithdrawnSilently) {
   EXPECT_EQ(command.departure, std::nullopt);
 }
 
+TEST_F(DepartureTest, WithdrawingEndsWhatWaitsOfOneIdentifier) {
+  link.result = SendResult::busy;
+  see_life();
+  Command command;
+  Command other;
+  push_command(command, frame(0x205, 1));
+  push_command(other, frame(0x206, 1));
+  push(frame(0x205, 2));
+  EXPECT_TRUE(queue.push_latest(frame(0x207, 3), now));
+  queue.withdraw(0x205);
+  queue.withdraw(0x207);
+  EXPECT_EQ(command.departure, Departure::withdrawn);
+  EXPECT_EQ(other.departure, std::nullopt);
+  link.result = SendResult::handed_over;
+  advance(2ms);
+  EXPECT_EQ(link.sent, (std::vector<Frame>{frame(0x205, 2), frame(0x206, 1)})) << "an ordinary frame is no RPDO";
+}
+
+TEST_F(DepartureTest, WhatTheKernelHasCannotBeWithdrawn) {
+  see_life();
+  Command command;
+  push_command(command, frame(0x205));
+  queue.withdraw(0x205);
+  EXPECT_EQ(command.departure, std::nullopt);
+  echo(frame(0x205));
+  EXPECT_EQ(command.departure, Departure::left);
+}
+
 }  // namespace
 }  // namespace canopen

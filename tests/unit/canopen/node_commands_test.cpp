@@ -75,6 +75,15 @@ TEST_F(NodeCommandsTest, StopByCommandIsNoSurprise) {
   EXPECT_TRUE(slave_.writes().empty());
 }
 
+TEST_F(NodeCommandsTest, HeartbeatThatCrossesAStopIsNoStart) {
+  bring_online(bench_settings());
+  slave_.send(0x705, {5});  // Arrives after the command was given and before it has left.
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  loop_.advance(3s);
+  EXPECT_EQ(status().nmt, NmtState::pre_operational);
+  EXPECT_EQ(status().boot_result, kBootOk) << status().boot_text;
+}
+
 TEST_F(NodeCommandsTest, PreOperationalByCommandOutlastsALoss) {
   bring_online(bench_settings());
   ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());

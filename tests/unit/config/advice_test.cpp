@@ -21,7 +21,8 @@ TEST(Advice, WarnsOfCommandsThatNobodySupervises) {
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer + kCommands + kMax)),
               ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": takes commands, but nothing stops it")));
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + kCommands + kMax)), IsEmpty());
-  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "rpdo1 = { event_timer = \"1s\" }\n" + kCommands + kMax)), IsEmpty());
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "rpdo1 = { event_timer = \"1s\" }\n" + kCommands + kMax)),
+              IsEmpty());
 }
 
 TEST(Advice, WarnsOfASetpointWithoutMax) {
@@ -38,8 +39,9 @@ TEST(Advice, WarnsOfZeroForWhatIsNotFresh) {
 }
 
 TEST(Advice, WarnsOfAnRpdoThatIsNeverSent) {
-  const std::string hoist = "[[drive]]\nname = \"hoist1\"\nnode = 7\nprofile = \"invt-goodrive600\"\n"
-                            "returns = { 1 = \"output_frequency\" }\nsettings = { 1 = \"frequency_command\" }\n";
+  const std::string hoist =
+      "[[drive]]\nname = \"hoist1\"\nnode = 7\nprofile = \"invt-goodrive600\"\n"
+      "returns = { 1 = \"output_frequency\" }\nsettings = { 1 = \"frequency_command\" }\n";
   const std::string limits = "[drive.signals.frequency_command]\nmax = 50\n";
   EXPECT_THAT(warnings_of(load_site(kBus + hoist + kCommands + limits)),
               ElementsAre(HasSubstr("nothing stops it"),

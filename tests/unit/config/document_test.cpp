@@ -51,9 +51,10 @@ TEST(Document, RefusesKeysNestedBeyondReason) {
 
 TEST(Document, MeasuresKeysOutsideOfStringsAndCommentsOnly) {
   const std::string dots(50, '.');
-  const Node root = parse("# " + dots + "\na = \"" + dots + " \\\" " + dots + "\"\nb = '" + dots +
-                          "'\nc = \"\"\"\n\"\n" + dots + "\"\"\"\nd = [1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, "
-                          "1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5]\n");
+  const Node root =
+      parse("# " + dots + "\na = \"" + dots + " \\\" " + dots + "\"\nb = '" + dots + "'\nc = \"\"\"\n\"\n" + dots +
+            "\"\"\"\nd = [1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, "
+            "1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5]\n");
   EXPECT_EQ(root.entries.size(), 4U);
 }
 

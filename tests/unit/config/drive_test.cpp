@@ -83,8 +83,8 @@ TEST(Drives, HaveNamesOfTheirOwnThatAreNoFixedTopics) {
   EXPECT_THAT(error_of(kBus + drive("a", 1) + drive("a", 2)),
               HasSubstr("8:8: error: drive \"a\": there is another drive of this name"));
   for (const auto* const name : {"bus", "status", "info", "result"}) {
-    EXPECT_THAT(error_of(kBus + drive(name, 1)), HasSubstr("4:8: error: drive \"" + std::string(name) +
-                                                           "\": the name is that of a fixed topic"));
+    EXPECT_THAT(error_of(kBus + drive(name, 1)),
+                HasSubstr("4:8: error: drive \"" + std::string(name) + "\": the name is that of a fixed topic"));
   }
 }
 

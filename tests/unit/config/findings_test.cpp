@@ -50,8 +50,8 @@ TEST(Findings, OfAFileThatIsNotThereNameIt) {
 }
 
 TEST(Findings, AnEmptyFileLacksWhatIsRequired) {
-  EXPECT_THAT(errors_of(load_site("")), ElementsAre("gateway.toml:1:1: error: bus is missing",
-                                                    "gateway.toml:1:1: error: drive is missing"));
+  EXPECT_THAT(errors_of(load_site("")),
+              ElementsAre("gateway.toml:1:1: error: bus is missing", "gateway.toml:1:1: error: drive is missing"));
 }
 
 TEST(Findings, RequiredKeysAreNamed) {

@@ -23,9 +23,9 @@ unit = "Hz"
 )";
 
 Model line3(const std::string& more = "") {
-  return model_of("[gateway]\nname = \"line3\"\n" + kBus + "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"own\"\n" +
-                      more,
-                  kOwn);
+  return model_of(
+      "[gateway]\nname = \"line3\"\n" + kBus + "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"own\"\n" + more,
+      kOwn);
 }
 
 /// The text without the white space between its parts.
@@ -78,8 +78,9 @@ base = "plant"
 }
 
 TEST(MapAsJson, ShowsBitsAndWideValues) {
-  const Model model = line3("[drive.signals.running]\nfrom = \"output_frequency\"\nmask = 1\n[drive.signals.x]\nobject = "
-                            "\"0x1\"\ntype = \"u32\"\naddress = 200\n[mqtt]\nsignals = false\n");
+  const Model model = line3(
+      "[drive.signals.running]\nfrom = \"output_frequency\"\nmask = 1\n[drive.signals.x]\nobject = "
+      "\"0x1\"\ntype = \"u32\"\naddress = 200\n[mqtt]\nsignals = false\n");
   const auto root = boost::json::parse(render_map(model, MapFormat::json));
   const auto& signals = root.at("drives").at(0).at("signals").as_array();
   ASSERT_EQ(signals.size(), 3U);
@@ -90,11 +91,12 @@ TEST(MapAsJson, ShowsBitsAndWideValues) {
 }
 
 TEST(MapAsTable, AlignsItsColumns) {
-  EXPECT_EQ(render_map(line3("[drive.signals.output_frequency]\nunit = \"°C\"\n"), MapFormat::table),
-            "drive  signal            object     type  scale  unit  access  source  min  max  modbus         topic       "
-            "                          set\n"
-            "pump1  output_frequency  0x2021:02  u16   0.01   °C    read    tpdo1             5: register 2  "
-            "canopen/line3/pump1/output_frequency\n");
+  EXPECT_EQ(
+      render_map(line3("[drive.signals.output_frequency]\nunit = \"°C\"\n"), MapFormat::table),
+      "drive  signal            object     type  scale  unit  access  source  min  max  modbus         topic       "
+      "                          set\n"
+      "pump1  output_frequency  0x2021:02  u16   0.01   °C    read    tpdo1             5: register 2  "
+      "canopen/line3/pump1/output_frequency\n");
 }
 
 TEST(MapAsCsv, QuotesWhatHasACommaOrAQuote) {

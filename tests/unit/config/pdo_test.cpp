@@ -52,8 +52,9 @@ TEST(Pdos, HaveThePredefinedCobIds) {
 }
 
 TEST(Pdos, TakeTheirKeys) {
-  const auto node = node_with("tpdo1 = { cob_id = \"$NODEID+0x380\", communication = \"assume\", mapping = \"verify\", "
-                              "transmission_type = 254, inhibit_time = \"5ms\", event_timer = \"200ms\" }\n");
+  const auto node = node_with(
+      "tpdo1 = { cob_id = \"$NODEID+0x380\", communication = \"assume\", mapping = \"verify\", "
+      "transmission_type = 254, inhibit_time = \"5ms\", event_timer = \"200ms\" }\n");
   const canopen::PdoSettings& tpdo = node.tpdos.at(0);
   EXPECT_EQ(tpdo.cob_id, 0x381U);
   EXPECT_EQ(tpdo.communication, SetupPolicy::assume);
@@ -94,9 +95,10 @@ TEST(Pdos, RefuseWhatCannotWork) {
 }
 
 TEST(Pdos, HoldSixtyFourBits) {
-  EXPECT_THAT(error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:02 u32\", \"0x2000:03 u16\", \"0x2000:04 bool\"] "
-                         "}\n"),
-              HasSubstr("7:17: error: drive \"a\": tpdo1: map has 65 bits; a PDO holds 64"));
+  EXPECT_THAT(
+      error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:02 u32\", \"0x2000:03 u16\", \"0x2000:04 bool\"] "
+                 "}\n"),
+      HasSubstr("7:17: error: drive \"a\": tpdo1: map has 65 bits; a PDO holds 64"));
 }
 
 TEST(Pdos, MapAnObjectWithTheLengthOfItsSignal) {
@@ -111,9 +113,10 @@ TEST(Pdos, ServeSignalsTheRightWayRound) {
               HasSubstr("comes in tpdo1, so access must be"));
   EXPECT_THAT(error_with("[drive.signals.target_velocity]\naccess = \"read-write\"\n"),
               HasSubstr("is mapped in rpdo1, which cannot be read back"));
-  EXPECT_THAT(error_with("[drive.signals.second]\nobject = \"0x2001:02\"\ntype = \"i16\"\naccess = \"write\"\naddress = "
-                         "300\n"),
-              HasSubstr("writes 0x2001:02, as \""));
+  EXPECT_THAT(
+      error_with("[drive.signals.second]\nobject = \"0x2001:02\"\ntype = \"i16\"\naccess = \"write\"\naddress = "
+                 "300\n"),
+      HasSubstr("writes 0x2001:02, as \""));
 }
 
 TEST(RpdoFields, AreCommandedUnusedOrUnnamed) {
@@ -124,8 +127,7 @@ TEST(RpdoFields, AreCommandedUnusedOrUnnamed) {
     }
     return list;
   };
-  EXPECT_THAT(uses(node_with("")),
-              testing::ElementsAre(FieldUse::commanded, FieldUse::commanded, FieldUse::unused));
+  EXPECT_THAT(uses(node_with("")), testing::ElementsAre(FieldUse::commanded, FieldUse::commanded, FieldUse::unused));
   EXPECT_THAT(uses(node_with("rpdo1 = { unused = [\"target_velocity\"] }\n")),
               testing::ElementsAre(FieldUse::commanded, FieldUse::unused, FieldUse::unused));
   EXPECT_THAT(uses(node_with("rpdo1 = { unused = [\"0x2001:02\"] }\n")),

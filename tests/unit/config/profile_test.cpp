@@ -15,8 +15,9 @@ std::string drive(std::string_view profile, std::string_view more = "") {
 }
 
 TEST(Profiles, OfAnUnknownNameAreReportedWithTheNearest) {
-  EXPECT_EQ(error_of(drive("veichi-ac311")),
-            "gateway.toml:6:11: error: drive \"a\": profile \"veichi-ac311\" is not known; nearest is \"veichi-ac310\"");
+  EXPECT_EQ(
+      error_of(drive("veichi-ac311")),
+      "gateway.toml:6:11: error: drive \"a\": profile \"veichi-ac311\" is not known; nearest is \"veichi-ac310\"");
   ProfileLibrary none({});
   const Loaded loaded = load_text(drive("x"), {.file = "gateway.toml", .profile_dirs = {}, .host_name = "h"}, none);
   EXPECT_THAT(lines(loaded.findings), HasSubstr("no profile was found at all"));
@@ -31,8 +32,9 @@ TEST(Profiles, HaveFindingsInTheirOwnFile) {
   EXPECT_EQ(error_of(drive("own"), "title = \"t\"\n[signals.status_word]\nobject = \"0x6041\"\ntype = \"u17\"\n"),
             "own.toml:4:8: error: profile \"own\": signals.status_word.type \"u17\" must be one of bool, u8, u16, u32, "
             "u64, i8, i16, i32, i64, f32, f64");
-  EXPECT_EQ(error_of(drive("own"), "title = \"t\"\nx ="), "own.toml:2:4: error: Error while parsing key-value pair: "
-                                                          "encountered end-of-file");
+  EXPECT_EQ(error_of(drive("own"), "title = \"t\"\nx ="),
+            "own.toml:2:4: error: Error while parsing key-value pair: "
+            "encountered end-of-file");
   // What a drive says about itself has no place in a profile, and the other way round.
   EXPECT_THAT(error_of(drive("own"), "title = \"t\"\nnode = 5\n"), HasSubstr("unknown key \"node\""));
   EXPECT_THAT(error_of(drive("veichi-ac300", "slots = {}\n")), HasSubstr("unknown key \"slots\""));
@@ -57,8 +59,9 @@ TEST(Profiles, OfTheFirstDirectoryWin) {
 }
 
 TEST(Profiles, CanExtendOneAnotherButNotThemselves) {
-  const std::string own = "title = \"t\"\nextends = \"cia402-velocity\"\n[signals.actual_velocity]\nunit = \"Hz\"\n"
-                          "[signals.target_reached]\nenabled = false\n";
+  const std::string own =
+      "title = \"t\"\nextends = \"cia402-velocity\"\n[signals.actual_velocity]\nunit = \"Hz\"\n"
+      "[signals.target_reached]\nenabled = false\n";
   const Drive drive_a = model_of(drive("own"), own).drives.at(0);
   EXPECT_EQ(signal_of(drive_a, "actual_velocity").unit, "Hz");
   EXPECT_EQ(signal_of(drive_a, "target_velocity").unit, "rpm");

@@ -67,7 +67,8 @@ TEST(Signals, StandInTheOrderOfTheirAddressesWordsFirst) {
   for (const Signal& signal : drive_with("").signals) {
     names.push_back(signal.name);
   }
-  EXPECT_THAT(names, testing::ElementsAre("status_word", "motor_speed", "control_command", "target_velocity", "running"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("status_word", "motor_speed", "control_command", "target_velocity", "running"));
 }
 
 TEST(Signals, KnowTheirDecimals) {
@@ -137,8 +138,9 @@ TEST(Signals, CanBeLeftOut) {
 }
 
 TEST(Signals, WhoseWordsAreAllLeftOutLeaveThePdoAlone) {
-  const Drive drive = drive_with("[drive.signals.motor_speed]\nenabled = false\n[drive.signals.status_word]\nenabled = "
-                                 "false\n[drive.signals.running]\nenabled = false\n");
+  const Drive drive = drive_with(
+      "[drive.signals.motor_speed]\nenabled = false\n[drive.signals.status_word]\nenabled = "
+      "false\n[drive.signals.running]\nenabled = false\n");
   EXPECT_TRUE(drive.node.tpdos.empty());
 }
 
@@ -149,9 +151,10 @@ TEST(Signals, HaveNamesThatAreNoFixedTopics) {
   }
   EXPECT_THAT(error_with("[drive.signals.Motor]\nobject = \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
               HasSubstr("must be lower case letters"));
-  EXPECT_THAT(error_with("[drive.signals.status_word]\nvalues = { 0 = \"a\" }\n[drive.signals.status_word_code]\nobject "
-                         "= \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
-              HasSubstr("it is the number of the enumerated \"status_word\""));
+  EXPECT_THAT(
+      error_with("[drive.signals.status_word]\nvalues = { 0 = \"a\" }\n[drive.signals.status_word_code]\nobject "
+                 "= \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
+      HasSubstr("it is the number of the enumerated \"status_word\""));
 }
 
 TEST(Limits, MustMakeSense) {
@@ -176,8 +179,9 @@ TEST(Enumerations, MustFitTheirType) {
 }
 
 TEST(DerivedSignals, ReadAWordByMaskAndValues) {
-  const Drive drive = drive_with("[drive.signals.overspeed]\nfrom = \"status_word\"\nmask = 0x80\naddress = 200\n"
-                                 "[drive.signals.reverse]\nfrom = \"motor_speed\"\nnegative = true\n");
+  const Drive drive = drive_with(
+      "[drive.signals.overspeed]\nfrom = \"status_word\"\nmask = 0x80\naddress = 200\n"
+      "[drive.signals.reverse]\nfrom = \"motor_speed\"\nnegative = true\n");
   const Signal& running = signal_of(drive, "running");
   ASSERT_TRUE(running.derived.has_value());
   EXPECT_EQ(running.derived->from, drive.find("status_word"));

@@ -1,10 +1,10 @@
+#include "tests/unit/config/site.h"
+
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-
-#include "tests/unit/config/site.h"
 
 namespace config {
 namespace {
@@ -67,8 +67,10 @@ TEST(Buses, HaveNamesAndInterfacesOfTheirOwn) {
               HasSubstr("4:8: error: bus \"can0\": there is another bus of this name"));
   EXPECT_THAT(error_of("[[bus]]\nname = \"a\"\ninterface = \"a-name-that-is-too-long\"\n" + kDrive),
               HasSubstr("is no interface name"));
-  const Model model = model_of("[[bus]]\nname = \"a\"\ninterface = \"virtual\"\n[[bus]]\nname = \"b\"\ninterface = "
-                               "\"virtual\"\n" + kDrive + "bus = \"b\"\n");
+  const Model model = model_of(
+      "[[bus]]\nname = \"a\"\ninterface = \"virtual\"\n[[bus]]\nname = \"b\"\ninterface = "
+      "\"virtual\"\n" +
+      kDrive + "bus = \"b\"\n");
   EXPECT_EQ(model.drives.at(0).bus, 1U);
 }
 
@@ -112,9 +114,11 @@ TEST(ModbusServer, RefusesAddressesThatAreNone) {
 TEST(MqttClient, TakesItsKeysAndThePasswordFile) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "mqtt-password";
   std::ofstream(file) << "secret\n";
-  const Model model = model_of(kBus + kDrive + "[mqtt]\nbrokers = [\"mqtt://broker.example:1884\"]\nbase = \"a/b\"\n"
+  const Model model = model_of(kBus + kDrive +
+                               "[mqtt]\nbrokers = [\"mqtt://broker.example:1884\"]\nbase = \"a/b\"\n"
                                "qos = 0\nstate = false\nsignals = false\nmin_interval = \"0s\"\nmax_interval = "
-                               "\"10s\"\nusername = \"u\"\npassword_file = \"" + file.string() + "\"\n");
+                               "\"10s\"\nusername = \"u\"\npassword_file = \"" +
+                               file.string() + "\"\n");
   ASSERT_TRUE(model.mqtt.has_value());
   EXPECT_EQ(model.mqtt->broker, (Endpoint{"broker.example", 1884}));
   EXPECT_EQ(model.mqtt->base, "a/b");
@@ -151,7 +155,8 @@ TEST(Summary, CountsInSingularAndPlural) {
   const std::string own = "title = \"t\"\n[signals.status_word]\nobject = \"0x6041\"\ntype = \"u16\"\n";
   const std::string one = kBus + "[[drive]]\nname = \"a\"\nnode = 1\nprofile = \"own\"\n";
   EXPECT_EQ(summary(model_of(one, own)), "ok: 1 bus, 1 drive, 1 signal");
-  const std::string two = one + "bus = \"can0\"\n[[drive]]\nname = \"b\"\nnode = 2\nprofile = \"own\"\nbus = \"can0\"\n";
+  const std::string two =
+      one + "bus = \"can0\"\n[[drive]]\nname = \"b\"\nnode = 2\nprofile = \"own\"\nbus = \"can0\"\n";
   EXPECT_EQ(summary(model_of(two + "[[bus]]\nname = \"can1\"\n", own)), "ok: 2 buses, 2 drives, 2 signals");
 }
 

@@ -601,7 +601,7 @@ TEST_F(CommandsTest, OtherObjectsNeedRaw) {
   EXPECT_TRUE(sdo_write_now({{0x2002, 3}, DataType::u16, 3}).has_value());
   EXPECT_EQ(slave_.value({0x2002, 3}), 3U);
   slave_.forget_heard();
-  for (const std::uint16_t index : {0x1400, 0x1600, 0x1800, 0x1A00}) {
+  for (const auto index : std::vector<std::uint16_t>{0x1400, 0x1600, 0x1800, 0x1A00}) {
     expect_refused(sdo_write_now({{index, 1}, DataType::u32, 0x80000205}), ErrorKind::forbidden);
   }
   expect_silence();

@@ -97,7 +97,7 @@ TEST_P(VeichiTest, EmergencyHoldsTheDrivesOwnCode) {
   OneDrive bench(GetParam(), kNode);
   bench.drive().fault(0x012A);
   bench.loop.settle();
-  EXPECT_EQ(bench.take(0x085), std::vector{frame(0x085, {0x2A, 0x01, 0x81, 0x2A, 0x01, 0, 0, 0})});
+  EXPECT_EQ(bench.take(0x085), std::vector{frame(0x085, {0x2A, 0x01, 0x01, 0x2A, 0x01, 0, 0, 0})});
   bench.drive().warning(0x0084);
   bench.loop.settle();
   EXPECT_TRUE(bench.take(0x085).empty());
