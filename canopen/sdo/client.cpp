@@ -35,7 +35,7 @@ class SdoClient::Turn {
       co_await client_.turn_event_.wait_until(deadline);
     }
     if (interrupted()) {
-      co_return client_.error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
+      co_return client_.interruption(object);
     }
     if (client_.turns_.front() != this) {
       co_return client_.error(ErrorKind::timeout, object, "not begun: other SDO transfers held the channel");
@@ -102,10 +102,7 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
   SdoTransfer transfer = download(object, type, raw);
   const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries);
-  if (done.has_error()) {
-    co_return done.error();
-  }
-  co_return Result<void>();
+  co_return done.has_error() ? Result<void>(done.error()) : Result<void>();
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
@@ -124,13 +121,14 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   if (settled.has_error()) {
     co_return settled.error();
   }
-  for (;; --tries) {
+  for (; !turn.interrupted(); --tries) {
     SdoTransfer fresh = transfer;
     Result<Bytes> result = co_await try_once(std::move(fresh), TimePoint::max());
     if (tries <= 1 || result.has_value() || result.error().kind != ErrorKind::timeout) {
       co_return result;
     }
   }
+  co_return interruption(transfer.object());
 }
 
 boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer transfer, TimePoint due) {
@@ -155,8 +153,8 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
     co_return granted.error();
   }
   const Result<void> settled = co_await settle_late(object, deadline);
-  if (settled.has_error()) {
-    co_return settled.error();
+  if (settled.has_error() || turn.interrupted()) {
+    co_return turn.interrupted() ? interruption(object) : settled.error();
   }
   Exchange exchange(*this, std::move(transfer), deadline, deadline);
   exchange.late_possible = late_.expected(object);
@@ -267,8 +265,7 @@ void SdoClient::interrupt() {
   bus_.withdraw(kRequestBase + node_);
   if (exchange_ != nullptr && !exchange_->over) {
     exchange_->over = true;
-    exchange_->error =
-        error(ErrorKind::offline, exchange_->transfer.object(), "the drive was lost, rebooted or removed");
+    exchange_->error = interruption(exchange_->transfer.object());
     exchange_->ended.notify();
   }
   turn_event_.notify();
@@ -285,12 +282,11 @@ bool SdoClient::send(const SdoFrame& request) {
 }
 
 Error SdoClient::error(ErrorKind kind, ObjectAddress object, std::string detail) const {
-  Error error;
-  error.kind = kind;
-  error.node = node_;
-  error.object = object;
-  error.detail = std::move(detail);
-  return error;
+  return {.kind = kind, .node = node_, .object = object, .detail = std::move(detail)};
+}
+
+Error SdoClient::interruption(ObjectAddress object) const {
+  return error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
 }
 
 boost::asio::awaitable<void> SdoClient::until_idle() {

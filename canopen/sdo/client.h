@@ -91,6 +91,7 @@ class SdoClient {
   [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
   bool send(const SdoFrame& request);
   [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
+  [[nodiscard]] Error interruption(ObjectAddress object) const;
 
   boost::asio::any_io_executor executor_;
   Bus& bus_;
