@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "simulator/drive.h"
+
 namespace gateway {
 namespace {
 
@@ -85,6 +87,21 @@ void add_mqtt_lines(std::string& text, const config::Model& model, const config:
   text += fmt::format("{}/control_command/set -m {}\n", to, words->stop);
 }
 
+// A fault from outside: the simulated drives' own object, reached by an SDO request where the site allows raw ones.
+void add_fault_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
+  const std::string base = model.mqtt->base + "/" + model.gateway.name + "/" + drive.name;
+  const std::string at = fmt::format("-h {} -p {}", model.mqtt->broker.host, model.mqtt->broker.port);
+  for (const int code : {5, 0}) {
+    text += fmt::format(
+        "  mosquitto_pub {} -t {}/sdo/request "
+        "-m '{{\"id\":\"f{}\",\"op\":\"write\",\"object\":\"{}\",\"type\":\"u16\",\"value\":{}}}'   # {}\n",
+        at, base, code,
+        to_string(canopen::ObjectAddress{simulator::kTroubleObject.index, simulator::kTroubleObject.sub}), code,
+        code != 0 ? "it trips" : "reset at the drive");
+    text += fmt::format("  mosquitto_sub {} -C 1 -t {}/alarm/emcy\n", at, base);
+  }
+}
+
 void add_modbus_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
   const config::Endpoint& endpoint = model.modbus->listen.front();
   const auto add = [&](std::string_view signal, std::string_view value) {
@@ -142,6 +159,9 @@ std::string demo_guide(const config::Model& model) {
     }
     if (model.mqtt) {
       add_mqtt_lines(text, model, drive);
+      if (drive.commands.raw) {
+        add_fault_lines(text, model, drive);
+      }
     }
   }
   return text + "\n";

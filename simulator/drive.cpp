@@ -112,6 +112,7 @@ void Drive::boot() {
   pdos_.start(traits.pdo);
   restore_communication_settings();
   define_communication_objects();
+  define_trouble_object();
   model_->start(*this);
   start_communication();
 }

@@ -25,6 +25,10 @@
 
 namespace simulator {
 
+/// The simulator's own u16 in every drive: written with a fault code the drive trips, with 0 its faults are reset at
+/// the drive.
+inline constexpr Address kTroubleObject{0xBF00, 0};
+
 /// One simulated drive on a Network: a CANopen slave with a motor. Without power until power_on().
 /// One loop, one thread. The network outlives it.
 class Drive final : public Station {
@@ -75,6 +79,7 @@ class Drive final : public Station {
   void restore_communication_settings();
   void enter(NmtState state);
   void define_communication_objects();
+  void define_trouble_object();
   [[nodiscard]] PdoContext pdo_context();
   [[nodiscard]] ErrorControl::Actions error_control_actions();
   void on_nmt(const canopen::Frame& frame);

@@ -106,6 +106,21 @@ void Drive::define_communication_objects() {
   }
 }
 
+// No drive has it, and no standard names an object here: so that somebody with only an SDO client can see a fault.
+void Drive::define_trouble_object() {
+  Object trouble;
+  trouble.read = [this] { return std::uint32_t{model_->fault()}; };
+  trouble.write = [this](std::uint32_t code) {
+    if (code == 0) {
+      clear_faults();
+    } else {
+      fault(static_cast<std::uint16_t>(code));
+    }
+    return Abort::none;
+  };
+  dictionary_.add(kTroubleObject, std::move(trouble));
+}
+
 std::string Drive::describe() {
   std::string line;
   append(line, "node", std::to_string(node_));

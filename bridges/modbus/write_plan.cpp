@@ -44,7 +44,7 @@ WritePlan plan_bits(const ProcessTable& table, Range range, std::span<const std:
     if (writable_signal(table, owner) == nullptr) {
       return Exception::illegal_address;
     }
-    const canopen::Raw bit = bytes[i / 8] >> (i % 8) & 1U;
+    const canopen::Raw bit = (canopen::Raw{bytes[i / 8]} >> (i % 8)) & 1U;
     fields.push_back({.signal = owner, .value = bit});
   }
   return fields;

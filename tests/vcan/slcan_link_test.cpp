@@ -1,4 +1,4 @@
-// As root: tests/vcan/run BUILD/tests/vcan/socketcan_link_test
+// As root: tests/vcan/run BUILD/tests/vcan/slcan_link_test
 #include <gtest/gtest.h>
 
 #include <array>
