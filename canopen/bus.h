@@ -53,7 +53,9 @@ class Bus {
   bool send_latest(const Frame& frame);
   /// Queues a command and waits for its departure (echo). Withdrawn when not handed over by `deadline`: `timeout`.
   /// Handed over without an echo by `deadline` or in 100 ms: `timeout` with outcome_unknown, and the bus takes no
-  /// command until an echo returns. `offline` while the bus is down or takes none.
+  /// command until an echo returns. `offline` while the bus is down or takes none. It is handed over only where a frame
+  /// was received or echoed within the last second; on a silent bus our heartbeat goes first to find out. So without a
+  /// heartbeat of ours a command on a silent bus ends as `timeout`, not sent.
   boost::asio::awaitable<Result<void>> send_command(Frame frame, TimePoint deadline);
   /// Withdraws what has not been handed over yet of a COB-ID: commands (their answer is `timeout`) and a frame of
   /// send_latest().

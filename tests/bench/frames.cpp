@@ -59,7 +59,7 @@ class BareSocket {
       messages_[i].msg_hdr.msg_iov = &vectors_[i];
       messages_[i].msg_hdr.msg_iovlen = 1;
     }
-    const int count = recvmmsg(descriptor_, messages_.data(), messages_.size(), 0, nullptr);
+    const int count = recvmmsg(descriptor_, messages_.data(), static_cast<unsigned>(messages_.size()), 0, nullptr);
     return count < 0 ? 0 : static_cast<unsigned>(count);
   }
 

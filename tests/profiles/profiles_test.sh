@@ -1,5 +1,5 @@
 #!/bin/bash
-# profiles_test.sh GATEWAY: every shipped profile and configuration passes `check` without a finding.
+# profiles_test.sh GATEWAY: every shipped profile and configuration passes `check`; warnings are shown, and allowed.
 set -u
 gateway=$1
 cd "$(dirname "$(realpath "$0")")/../.." || exit 1
@@ -21,6 +21,9 @@ check() {  # check WHAT FILE
 for profile in config/profiles/*.toml; do
   name=$(basename "$profile" .toml)
   printf '[[bus]]\nname = "can0"\n\n[[drive]]\nname = "drive1"\nnode = 5\nprofile = "%s"\n' "$name" >"$site/gateway.toml"
+  if grep -q '^partial = true' "$profile"; then
+    continue  # A part of others, checked with them.
+  fi
   check "$name" "$site/gateway.toml"
 done
 for file in config/*.toml; do

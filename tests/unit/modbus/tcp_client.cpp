@@ -25,8 +25,13 @@ std::size_t size_of(const Bytes& input) {
 
 }  // namespace
 
-TcpClient::TcpClient(std::uint16_t port, const std::string& host)
+TcpClient::TcpClient(std::uint16_t port, const std::string& host, Buffers buffers)
     : socket_(::socket(host.find(':') == std::string::npos ? AF_INET : AF_INET6, SOCK_STREAM, 0)) {
+  if (buffers == Buffers::small) {
+    const int bytes = 4096;
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    ::setsockopt(socket_, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
+  }
   if (host.find(':') == std::string::npos) {
     sockaddr_in address{};
     address.sin_family = AF_INET;

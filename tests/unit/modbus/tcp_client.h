@@ -12,8 +12,10 @@ namespace modbus_test {
 /// A plain client socket that never waits.
 class TcpClient {
  public:
+  enum class Buffers : std::uint8_t { usual, small };
+
   /// Numeric IPv4 or IPv6 address. Connecting on this machine succeeds before anybody accepts.
-  explicit TcpClient(std::uint16_t port, const std::string& host = "127.0.0.1");
+  explicit TcpClient(std::uint16_t port, const std::string& host = "127.0.0.1", Buffers buffers = Buffers::usual);
   ~TcpClient();
   TcpClient(const TcpClient&) = delete;
   TcpClient& operator=(const TcpClient&) = delete;

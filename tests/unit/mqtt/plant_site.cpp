@@ -47,8 +47,9 @@ PlantSite::PlantSite(config::Model model)
   plant_.add(bridge_);
   bridge_.start();
   bus_.start();
-  plant_.set_bus_state(0, bus_.state());
   plant_.start();
+  loop_.settle();
+  plant_.set_bus_state(0, bus_.state());
   loop_.settle();
 }
 

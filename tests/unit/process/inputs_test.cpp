@@ -17,7 +17,7 @@ using canopen::Raw;
 using canopen::TimePoint;
 using namespace std::chrono_literals;
 
-class InputsTest : public ::testing::Test, private Inputs::Listener {
+class InputsTest : public ::testing::Test, public Inputs::Listener {
  protected:
   InputsTest() { build(); }
 

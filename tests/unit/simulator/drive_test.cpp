@@ -177,9 +177,9 @@ TEST_P(EveryKind, SurvivesEveryFrame) {
       hostile.data[2] = static_cast<std::uint8_t>(index >> 8U);
       hostile.data[3] %= 8;
     }
-    bench.send(hostile);
+    bench.queue(hostile);
     if (i % 100 == 0) {
-      bench.advance(milliseconds(10));
+      bench.loop.advance(milliseconds(10), milliseconds(10));
       bench.heard.clear();
     }
   }

@@ -44,8 +44,10 @@ class Bench : public canopen::LinkEvents {
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
+  /// Leaves with the next settle().
+  void queue(const canopen::Frame& sent) { ASSERT_EQ(master_->send(sent), canopen::SendResult::handed_over); }
   void send(const canopen::Frame& sent) {
-    ASSERT_EQ(master_->send(sent), canopen::SendResult::handed_over);
+    queue(sent);
     loop.settle();
   }
   void send(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) { send(frame(id, bytes)); }
