@@ -2,8 +2,9 @@
 install(TARGETS canopen-gateway RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY config/profiles/ DESTINATION ${CMAKE_INSTALL_DATADIR}/canopen-gateway/profiles
   FILES_MATCHING PATTERN "*.toml")
-install(FILES README.md CHANGELOG.md LICENSE config/gateway.toml systemd/80-can.network
+install(FILES README.md CHANGELOG.md LICENSE config/gateway.example.toml systemd/80-can.network
   DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md")
 
 file(READ systemd/canopen-gateway.service unit)
 string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_FULL_BINDIR}/" unit "${unit}")

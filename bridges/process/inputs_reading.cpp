@@ -13,12 +13,22 @@ using canopen::TimePoint;
 /// Objects that the drive does not have are asked for now and then only: a parameter may make them appear.
 constexpr Duration kAbsentObject = std::chrono::seconds(60);
 
+/// One that does not answer keeps the SDO channel through all its tries, and commands wait behind it.
+constexpr Duration kSilentObject = std::chrono::seconds(10);
+
 constexpr TimePoint kNever = TimePoint::max();
 
 bool is_absence(const canopen::Error& error) {
   // CiA 301 table 22: object, sub-index does not exist; no read access.
   return error.kind == canopen::ErrorKind::refused && (error.abort == 0x06020000 || error.abort == 0x06090011 ||
                                                        error.abort == 0x06010000 || error.abort == 0x06010001);
+}
+
+Duration pause_after(const canopen::Error& error, Duration poll) {
+  if (is_absence(error)) {
+    return std::max(kAbsentObject, poll);
+  }
+  return error.kind == canopen::ErrorKind::timeout ? std::max(kSilentObject, poll) : poll;
 }
 
 }  // namespace
@@ -73,9 +83,7 @@ void Inputs::on_round_complete(SourceId source, TimePoint at, canopen::WallTime 
 void Inputs::on_round_failed(SourceId source, const canopen::Error& error, TimePoint at) {
   const bool waits_for_first = is_tpdo(source) && !is_cyclic(source) && !feeds_[source].told_fresh;
   if (reads_regularly(source) || waits_for_first) {
-    const Duration poll = plans_[source].poll;
-    const bool absent = !is_tpdo(source) && is_absence(error);
-    feeds_[source].round.schedule_retry(at, absent ? std::max(kAbsentObject, poll) : poll);
+    feeds_[source].round.schedule_retry(at, pause_after(error, plans_[source].poll));
   }
 }
 

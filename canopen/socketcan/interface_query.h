@@ -26,8 +26,8 @@ struct Interface {
   std::optional<Counters> counters;
 };
 
-/// Asks the kernel by name over netlink (RTM_GETLINK); the answer is there when the request returns. While somebody sets
-/// up interfaces the kernel lets it wait, usually for less than a millisecond: not for every frame.
+/// Asks the kernel by name over netlink (RTM_GETLINK); the answer is there when the request returns. While somebody
+/// sets up interfaces the kernel lets it wait, usually for less than a millisecond: not for every frame.
 class InterfaceQuery {
  public:
   /// Throws std::system_error where there is no netlink socket to be had.

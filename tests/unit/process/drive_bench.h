@@ -109,7 +109,9 @@ class DriveBench : public testing::Test {
   void send_tpdos() {
     next_tpdo_ = test::kPeriod;
     slave_.set(test::kStatusWord, canopen::DataType::u16, status_word_);
-    slave_.set(test::kFaultCode, canopen::DataType::u16, fault_code_);
+    if (fault_code_readable_) {
+      slave_.set(test::kFaultCode, canopen::DataType::u16, fault_code_);
+    }
     if (slave_.state() == 5 && !silent_) {
       slave_.send(0x185, {low(status_word_), high(status_word_), 0, 0, 0x85, 0x13});
       slave_.send(0x285, {low(fault_code_), high(fault_code_)});
@@ -195,6 +197,7 @@ class DriveBench : public testing::Test {
   std::unique_ptr<Drive> drive_;
   Raw status_word_ = 0;
   Raw fault_code_ = 0;
+  bool fault_code_readable_ = true;
   bool silent_ = false;
   Duration next_tpdo_ = test::kPeriod;
 };

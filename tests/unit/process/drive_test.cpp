@@ -71,6 +71,7 @@ TEST_F(DriveTest, SilentTpdosAreTakenForOverdueAndReadBySdo) {
 TEST_F(DriveTest, OverdueTpdoThatCannotBeReadIsADataAlarm) {
   bring_online();
   slave_.remove(test::kFaultCode);
+  fault_code_readable_ = false;
   silent_ = true;
   run(2s);
   EXPECT_TRUE(alarm(AlarmKind::data).active);
@@ -146,6 +147,8 @@ TEST_F(DriveTest, FaultBitWithoutEmergencyTakesTheFaultCode) {
 }
 
 TEST_F(DriveTest, ErrorOfAnArrivingDriveIsFoundByItsRegister) {
+  model_.faults.fault.reset();
+  model_.faults.warning.reset();
   slave_.set({0x1001, 0}, DataType::u8, 0x01);
   slave_.set({0x1003, 1}, DataType::u32, 0xABCD0004);
   bring_online();
@@ -154,7 +157,25 @@ TEST_F(DriveTest, ErrorOfAnArrivingDriveIsFoundByItsRegister) {
   EXPECT_EQ(alarm(AlarmKind::emcy).error_register, 0x01);
 }
 
+TEST_F(DriveTest, FaultBitOfAnArrivingDriveIsNamedByItsHistory) {
+  slave_.set({0x1001, 0}, DataType::u8, 0x01);
+  slave_.set({0x1003, 1}, DataType::u32, 0x0004);
+  status_word_ = test::kFaultBit;
+  bring_online();
+  expect_emcy(true, 4);
+  EXPECT_EQ(alarm(AlarmKind::emcy).errors.size(), 1U);
+  EXPECT_EQ(alarm(AlarmKind::emcy).severity, config::Severity::fault);
+}
+
+TEST_F(DriveTest, BitsThatStayClearOverruleTheErrorRegister) {
+  slave_.set({0x1001, 0}, DataType::u8, 0x80);
+  bring_online();
+  EXPECT_FALSE(alarm(AlarmKind::emcy).active);
+  EXPECT_EQ(alarm(AlarmKind::emcy).error_register, 0x80);
+}
+
 TEST_F(DriveTest, RestoredAlarmEndsWhereTheDriveTellsNone) {
+  slave_.unplug(true);
   start();
   Alarm before;
   before.active = true;
@@ -166,6 +187,7 @@ TEST_F(DriveTest, RestoredAlarmEndsWhereTheDriveTellsNone) {
   run(1s);
   EXPECT_TRUE(alarm(AlarmKind::emcy).active);
   EXPECT_FALSE(alarm(AlarmKind::emcy).confirmed);
+  slave_.unplug(false);
   slave_.boot_up();
   run(3s);
   ASSERT_TRUE(drive_->status().online);

@@ -261,6 +261,24 @@ TEST_F(InputsTest, AbsentObjectIsAskedForOnceAMinuteOnly) {
   EXPECT_TRUE(fresh("module_temperature"));
 }
 
+TEST_F(InputsTest, ObjectThatDoesNotAnswerIsLeftAloneForAWhile) {
+  // Each try keeps the channel for seconds, and commands wait behind it.
+  go_live();
+  canopen::Error silence;
+  silence.kind = canopen::ErrorKind::timeout;
+  const auto job = inputs_->next_read(now_);
+  ASSERT_TRUE(job);
+  inputs_->on_read(*job, silence, now_, {});
+  for (int i = 0; i < 99; ++i) {
+    pass(100ms);
+    for (const auto& object : answer_reads()) {
+      EXPECT_EQ(object, test::kLimit);
+    }
+  }
+  pass(200ms);
+  EXPECT_EQ(answer_reads()[0], test::kTemperature);
+}
+
 TEST_F(InputsTest, OverdueTpdoIsAProblemWithItsNumberWhileTheDriveLives) {
   go_live();
   tpdo1(1);
@@ -415,7 +433,7 @@ TEST_F(OnChangeTest, IsReadAfterArrivalWhereItHasNotCome) {
   pass(101ms);
   EXPECT_EQ(answer_reads(), (std::vector<canopen::ObjectAddress>{test::kStatusWord, test::kOutput}));
   EXPECT_TRUE(fresh("running"));
-  pass(300ms);
+  pass(250ms);
   EXPECT_TRUE(answer_reads().empty());
 }
 
