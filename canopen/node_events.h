@@ -24,11 +24,11 @@ struct NodeStatus {
   std::uint8_t boot_result = kNotBooted;
   std::string boot_text;  ///< Why boot_result is a letter: object, expected, found. Empty where it is none.
   std::optional<TimePoint> last_heartbeat;  ///< Heartbeat, boot-up or guarding answer.
-  bool lost = false;             ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
-  std::uint16_t boot_ups = 0;          ///< Counters wrap.
+  bool lost = false;           ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
+  std::uint16_t boot_ups = 0;  ///< Counters wrap.
   std::uint16_t emergencies = 0;
   std::uint16_t heartbeat_losses = 0;
-  std::uint32_t last_abort = 0;        ///< Of the newest SDO abort, 0: none.
+  std::uint32_t last_abort = 0;  ///< Of the newest SDO abort, 0: none.
 
   friend bool operator==(const NodeStatus&, const NodeStatus&) = default;
 };

@@ -55,8 +55,8 @@ class RemoteNode {
   /// Its field counts as not commanded (momentary value sent, or outcome unknown).
   void forget_commanded(ObjectAddress object);
   /// Nothing counts as commanded (fault, standstill, a command timeout that ends RPDOs). Boot-up, loss and leaving
-  /// operational do it by themselves. `keep_repeating`: an RPDO that the drive supervises (event timer > 0) goes on being
-  /// repeated unchanged, for a drive that came to a stop and would trip otherwise.
+  /// operational do it by themselves. `keep_repeating`: an RPDO that the drive supervises (event timer > 0) goes on
+  /// being repeated unchanged, for a drive that came to a stop and would trip otherwise.
   void void_rpdos(bool keep_repeating = false);
 
  private:

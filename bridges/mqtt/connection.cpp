@@ -121,7 +121,13 @@ class Connection::Body final : private callback {
     client_.unsubscribe(std::make_shared<string_collection>(filters));
   }
 
-  void disconnect(std::chrono::milliseconds patience) { client_.disconnect(patience)->wait_for(patience * 2); }
+  void disconnect(std::chrono::milliseconds patience, bool with_will) {
+    disconnect_options options(patience);
+    if (with_will && version_ >= MQTTVERSION_5) {
+      options.set_reason_code(DISCONNECT_WITH_WILL_MESSAGE);
+    }
+    client_.disconnect(options)->wait_for(patience * 2);
+  }
 
  private:
   void connection_lost(const string&) override { events_.on_down(); }
@@ -250,9 +256,9 @@ bool Connection::unsubscribe(const std::vector<std::string>& filters) {
   }
 }
 
-void Connection::disconnect(std::chrono::milliseconds patience) {
+void Connection::disconnect(std::chrono::milliseconds patience, bool with_will) {
   try {
-    body_->disconnect(patience);
+    body_->disconnect(patience, with_will);
   } catch (const std::exception&) {
     return;  // it is gone already
   }

@@ -47,6 +47,7 @@ void Traffic::open(ConnectionId connection) {
 void Traffic::finish(std::vector<Message> last, std::chrono::milliseconds patience) {
   const std::lock_guard lock(mutex_);
   outbox_.hold(true);
+  has_last_words_ = !last.empty();
   for (Message& message : last) {
     outbox_.push(std::move(message));
   }
@@ -95,7 +96,7 @@ Traffic::Work Traffic::await_work() {
   orders_.clear();
   take_messages(work);
   work.farewell = finishing_ && farewell_over();
-  work.all_said = work.farewell && all_said();
+  work.all_said = work.farewell && has_last_words_ && all_said();
   return work;
 }
 

@@ -32,8 +32,8 @@ class Traffic final : public ConnectionEvents {
     std::optional<std::string> over;  ///< The connection is of no more use: why.
     std::vector<Order> orders;
     std::vector<std::pair<Message, InFlight*>> messages;
-    bool farewell = false;  ///< Everything at the end was said, or can not be said.
-    bool all_said = false;  ///< With farewell: `offline` has arrived.
+    bool farewell = false;  ///< Everything at the end was said, or cannot be said.
+    bool all_said = false;  ///< With farewell: the last words have arrived.
   };
 
   /// `outbox_limit`: messages of each kind.
@@ -43,7 +43,8 @@ class Traffic final : public ConnectionEvents {
   void publish(std::vector<Message> batch);
   void order(ConnectionId connection, Order order);
   void open(ConnectionId connection);
-  /// Only the newest of each topic and `last` are still sent, for as long as `patience`.
+  /// Only the newest of each topic and `last` are still sent, for as long as `patience`. Without last words the broker
+  /// is made to publish the will.
   void finish(std::vector<Message> last, std::chrono::milliseconds patience);
 
   // From the publisher's thread.
@@ -96,6 +97,7 @@ class Traffic final : public ConnectionEvents {
   std::list<InFlight> in_flight_;
   Clock::time_point progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
   bool finishing_ = false;
+  bool has_last_words_ = false;
   Clock::time_point finish_by_{};
   bool said_too_long_ = false;
   bool said_refused_ = false;

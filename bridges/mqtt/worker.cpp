@@ -147,10 +147,7 @@ std::string Worker::serve() {
       continue;
     }
     if (work.farewell) {
-      // Where `offline` could not be said, leaving without a word makes the broker say it: that is the will.
-      if (work.all_said) {
-        connection_->disconnect(kGoodbye);
-      }
+      connection_->disconnect(kGoodbye, !work.all_said);
       return {};
     }
   }
