@@ -29,8 +29,8 @@ class Rpdo {
   /// A frame on its way, and what confirm() has to know of the moment when it was built.
   struct Draft {
     Frame frame;
-    std::uint32_t command_epoch;
-    std::uint32_t repeat_epoch;
+    std::uint32_t command_epoch = 0;
+    std::uint32_t repeat_epoch = 0;
   };
   /// The frame with `fields` over what is known; nothing where it is not complete. Changes nothing: confirm() does.
   [[nodiscard]] std::optional<Draft> build(std::span<const ObjectValue> fields) const noexcept;
@@ -61,7 +61,7 @@ class Rpdo {
  private:
   struct Field {
     ObjectAddress object;
-    FieldUse use;
+    FieldUse use = FieldUse::commanded;
     bool known = false;
     Raw value = 0;
   };
