@@ -122,9 +122,9 @@ void add_modbus_lines(std::string& text, const config::Model& model, const confi
 
 }  // namespace
 
-DemoScreen::DemoScreen(boost::asio::any_io_executor executor, const process::Plant& plant, std::ostream& out,
+DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::ostream& out,
                        bool often)
-    : plant_(plant), out_(out), timer_(std::move(executor)), period_(often ? kOften : kSeldom) {}
+    : plant_(plant), out_(out), timer_(executor), period_(often ? kOften : kSeldom) {}
 
 void DemoScreen::start() {
   out_ << demo_guide(plant_.model()) << std::flush;

@@ -13,7 +13,7 @@ namespace gateway {
 class DemoScreen {
  public:
   /// `often`: for a terminal, every other second; else every ten.
-  DemoScreen(boost::asio::any_io_executor executor, const process::Plant& plant, std::ostream& out, bool often);
+  DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::ostream& out, bool often);
 
   void start();
   void stop();

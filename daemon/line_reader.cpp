@@ -8,8 +8,8 @@
 
 namespace gateway {
 
-LineReader::LineReader(boost::asio::any_io_executor executor, Handler handler)
-    : input_(std::move(executor)), handler_(std::move(handler)) {}
+LineReader::LineReader(const boost::asio::any_io_executor& executor, Handler handler)
+    : input_(executor), handler_(std::move(handler)) {}
 
 void LineReader::start() {
   const int copy = ::dup(STDIN_FILENO);

@@ -14,7 +14,7 @@ class LineReader {
  public:
   using Handler = std::function<void(std::string_view line)>;
 
-  LineReader(boost::asio::any_io_executor executor, Handler handler);
+  LineReader(const boost::asio::any_io_executor& executor, Handler handler);
 
   void start();
   /// No line comes after this.

@@ -6,8 +6,8 @@
 
 namespace gateway {
 
-SimulatedSite::SimulatedSite(boost::asio::any_io_executor executor)
-    : executor_(executor), reader_(std::move(executor), [this](std::string_view line) {
+SimulatedSite::SimulatedSite(const boost::asio::any_io_executor& executor)
+    : executor_(executor), reader_(executor, [this](std::string_view line) {
         if (const std::string answer = console_.execute(line); !answer.empty()) {
           std::cout << answer << std::endl;
         }

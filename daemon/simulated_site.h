@@ -17,7 +17,7 @@ namespace gateway {
 /// Simulated drives on one or more buses, with a console on standard input.
 class SimulatedSite {
  public:
-  explicit SimulatedSite(boost::asio::any_io_executor executor);
+  explicit SimulatedSite(const boost::asio::any_io_executor& executor);
 
   /// A bus for drives to be added to; its position.
   std::size_t add_network(std::unique_ptr<canopen::Link> link);

@@ -8,8 +8,8 @@
 
 namespace gateway {
 
-Supervision::Supervision(boost::asio::any_io_executor executor, const process::Plant& plant)
-    : plant_(plant), timer_(std::move(executor)), period_(std::chrono::seconds(1)) {
+Supervision::Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant)
+    : plant_(plant), timer_(executor), period_(std::chrono::seconds(1)) {
   std::uint64_t watchdog_us = 0;
   watched_ = sd_watchdog_enabled(0, &watchdog_us) > 0;
   if (watched_) {

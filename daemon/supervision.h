@@ -12,7 +12,7 @@ namespace gateway {
 /// sign of life that only a turning loop gives. Without systemd nothing is said.
 class Supervision {
  public:
-  Supervision(boost::asio::any_io_executor executor, const process::Plant& plant);
+  Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant);
 
   /// After configuration and listeners; never waits for interface, broker or drives.
   void ready();

@@ -5,8 +5,8 @@
 
 namespace simulator {
 
-Alarm::Alarm(boost::asio::any_io_executor executor, std::function<void()> action)
-    : timer_(std::move(executor)), action_(std::move(action)) {}
+Alarm::Alarm(const boost::asio::any_io_executor& executor, std::function<void()> action)
+    : timer_(executor), action_(std::move(action)) {}
 
 void Alarm::start(canopen::Duration after) {
   period_ = canopen::Duration::zero();

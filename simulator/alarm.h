@@ -13,7 +13,7 @@ namespace simulator {
 /// way through the loop is then forgotten.
 class Alarm {
  public:
-  Alarm(boost::asio::any_io_executor executor, std::function<void()> action);
+  Alarm(const boost::asio::any_io_executor& executor, std::function<void()> action);
 
   /// The action runs once, `after` from now. Replaces whatever was started before.
   void start(canopen::Duration after);

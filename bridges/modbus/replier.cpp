@@ -82,7 +82,7 @@ Sent Replier::answer_write(std::span<const std::uint8_t> frame, const Request& r
 Sent Replier::answer_read_write(std::span<const std::uint8_t> frame, const Snapshot& values) {
   // The answer to function 23 names no addresses. So the same request is answered from a scratch table in which what
   // is read stands first and what is written behind it, wherever the true addresses are and even where they overlap.
-  std::array<std::uint16_t, 2 * kMaxReadRegisters> scratch{};
+  std::array<std::uint16_t, std::size_t{2} * kMaxReadRegisters> scratch{};
   std::ranges::copy(values.registers, scratch.begin());
   std::array<std::uint8_t, kMaxFrame> moved{};
   std::ranges::copy(frame, moved.begin());

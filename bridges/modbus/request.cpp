@@ -104,7 +104,7 @@ Parsed parse_read_write(Bytes pdu) noexcept {
   const Range read{.address = word(pdu, 1), .quantity = word(pdu, 3)};
   const Range write{.address = word(pdu, 5), .quantity = word(pdu, 7)};
   const Bytes values = pdu.subspan(10);
-  const std::size_t needed = write.quantity * 2U;
+  const std::size_t needed = std::size_t{2} * write.quantity;
   if (!within(read, kMaxReadRegisters) || !within(write, kMaxReadWriteRegisters) || pdu[9] != needed ||
       values.size() != needed) {
     return Exception::illegal_value;

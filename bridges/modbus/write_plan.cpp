@@ -27,7 +27,8 @@ WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const
     if (signal == nullptr || signal->modbus.address != address || done + signal->modbus.count > range.quantity) {
       return Exception::illegal_address;
     }
-    const auto value = value_of(*signal, bytes.subspan(2 * done, 2U * signal->modbus.count), table.word_order());
+    const auto value =
+        value_of(*signal, bytes.subspan(2 * done, std::size_t{2} * signal->modbus.count), table.word_order());
     if (!value) {
       return Exception::illegal_value;
     }

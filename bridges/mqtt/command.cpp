@@ -72,7 +72,8 @@ std::optional<Error> unknown_member(const FlatObject& members, std::initializer_
         list += list.empty() ? "" : ", ";
         list += each;
       }
-      return type_error("unknown member \"" + name + "\"; known are " + list + ", id");
+      return type_error(
+          std::string("unknown member \"").append(name).append("\"; known are ").append(list).append(", id"));
     }
   }
   return std::nullopt;

@@ -8,7 +8,6 @@
 #include "bridges/mqtt/flat_json.h"
 #include "bridges/process/drive.h"
 #include "canopen/error.h"
-#include "canopen/nmt.h"
 #include "config/model.h"
 
 namespace mqtt {

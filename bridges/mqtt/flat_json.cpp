@@ -17,10 +17,12 @@ constexpr std::size_t kMaxMembers = 1024;
 // What Boost.JSON's parser calls while it reads. Returning false with an error code ends the parse there.
 class FlatHandler {
  public:
+  // Boost.JSON wants these names.  NOLINTBEGIN(readability-identifier-naming)
   static constexpr std::size_t max_object_size = kMaxMembers;
   static constexpr std::size_t max_array_size = std::numeric_limits<std::size_t>::max();
   static constexpr std::size_t max_key_size = std::numeric_limits<std::size_t>::max();
   static constexpr std::size_t max_string_size = std::numeric_limits<std::size_t>::max();
+  // NOLINTEND(readability-identifier-naming)
 
   bool on_document_begin(json::error_code&) { return true; }
   bool on_document_end(json::error_code&) { return true; }

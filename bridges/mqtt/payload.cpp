@@ -4,7 +4,6 @@
 
 #include "bridges/mqtt/json_text.h"
 #include "bridges/mqtt/timestamp.h"
-#include "canopen/nmt.h"
 
 namespace mqtt {
 namespace {

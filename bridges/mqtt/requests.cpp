@@ -200,7 +200,7 @@ Result<void> Requests::begin_set(const Incoming& incoming, const Command& comman
   if (fields.has_error()) {
     return fields.error();
   }
-  const Result<void> checked = check_begin(incoming, command);
+  Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
     return spawn(*command.drive, write_fields(under_way_, *command.drive, std::move(fields.value()), command.to));
   }
@@ -212,7 +212,7 @@ Result<void> Requests::begin_nmt(const Incoming& incoming, const Command& comman
   if (nmt.has_error()) {
     return nmt.error();
   }
-  const Result<void> checked = check_begin(incoming, command);
+  Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
     return spawn(*command.drive, send_nmt(under_way_, *command.drive, nmt.value(), command.to));
   }
@@ -227,7 +227,7 @@ Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& comman
   if (!request.value().value) {  // a read changes nothing and is never a repetition
     return spawn(*command.drive, read_object(under_way_, *command.drive, request.value(), command.to));
   }
-  const Result<void> checked = check_begin(incoming, command);
+  Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
     return spawn(*command.drive, write_object(under_way_, *command.drive, request.value(), command.to));
   }

@@ -42,7 +42,7 @@ class Requests {
     Route route;
     Parsed parsed;
     ReplyTo to;
-    process::Drive* drive;
+    process::Drive* drive = nullptr;
   };
 
   [[nodiscard]] Command take_apart(const Incoming& incoming, const Route& route);

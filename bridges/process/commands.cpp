@@ -15,10 +15,11 @@ using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
 
-void add_detail(Error& error, const std::string& text) {
-  if (!text.empty()) {
-    error.detail += error.detail.empty() ? text : "; " + text;
+Error with_written(Error error, const std::string& written) {
+  if (!written.empty()) {
+    error.detail.append(error.detail.empty() ? "" : "; ").append("already written: ").append(written);
   }
+  return error;
 }
 
 }  // namespace
@@ -209,9 +210,7 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
       outcome = over ? Outcome(*std::move(over)) : Outcome();
     }
     if (outcome.has_error()) {
-      Error failure = outcome.error();
-      add_detail(failure, written.empty() ? std::string() : "already written: " + written);
-      co_return failure;
+      co_return with_written(outcome.error(), written);
     }
   }
   co_return Outcome();

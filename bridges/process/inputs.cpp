@@ -28,7 +28,7 @@ void Inputs::on_status(bool online, bool operational, TimePoint now) {
   const bool was_online = std::exchange(online_, online);
   const bool was_operational = std::exchange(operational_, operational);
   if (was_online != online) {
-    for (SourceId source = 0; source < plans_.size(); ++source) {
+    for (SourceId source = 0; source < source_count(); ++source) {
       if (!is_tpdo(source)) {
         feeds_[source].round.cancel();
         if (online) {
@@ -49,7 +49,7 @@ void Inputs::on_status(bool online, bool operational, TimePoint now) {
 }
 
 void Inputs::begin_life(TimePoint now) {
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     if (is_tpdo(source)) {
       reset_tpdo(source);
       feeds_[source].tpdo.begin(now);
@@ -62,7 +62,7 @@ void Inputs::begin_life(TimePoint now) {
 }
 
 void Inputs::end_life() {
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     if (is_tpdo(source)) {
       reset_tpdo(source);
     }
@@ -70,7 +70,7 @@ void Inputs::end_life() {
 }
 
 void Inputs::on_boot_up() {
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     if (is_tpdo(source)) {
       reset_tpdo(source);
     } else {
@@ -167,7 +167,7 @@ void Inputs::on_frames_lost(TimePoint now) {
   if (!live()) {
     return;
   }
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     if (!is_tpdo(source)) {
       continue;
     }
@@ -182,7 +182,7 @@ void Inputs::on_frames_lost(TimePoint now) {
 
 TimePoint Inputs::next_expiry() const noexcept {
   TimePoint next = kNever;
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     const Feed& feed = feeds_[source];
     if (feed.told_fresh) {
       next = std::min(next, image_.sources_[source].fresh_until);
@@ -194,7 +194,7 @@ TimePoint Inputs::next_expiry() const noexcept {
 }
 
 void Inputs::expire(TimePoint now) {
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     Feed& feed = feeds_[source];
     if (now > feed.tpdo.due()) {
       const bool was_substituted = feed.tpdo.substituted();
@@ -224,7 +224,7 @@ bool Inputs::is_cyclic(SourceId source) const noexcept {
 }
 
 std::optional<SourceId> Inputs::find_tpdo(std::uint16_t number) const noexcept {
-  for (SourceId source = 0; source < plans_.size(); ++source) {
+  for (SourceId source = 0; source < source_count(); ++source) {
     if (is_tpdo(source) && plans_[source].source.number == number) {
       return source;
     }

@@ -93,6 +93,7 @@ class Inputs {
     bool watched = false;
   };
 
+  [[nodiscard]] SourceId source_count() const noexcept { return static_cast<SourceId>(plans_.size()); }
   [[nodiscard]] bool is_tpdo(SourceId source) const noexcept;
   [[nodiscard]] bool is_cyclic(SourceId source) const noexcept;
   [[nodiscard]] bool live() const noexcept { return online_ && operational_; }

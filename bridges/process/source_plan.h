@@ -15,13 +15,13 @@ struct SourcePlan {
   /// A signal that is a whole object. `position` is that of its value in the TPDO's mapping; 0 for a polled object.
   struct Word {
     SignalId signal;
-    std::size_t position;
+    std::size_t position = 0;
   };
   /// An object of the source as SDO reads it.
   struct Object {
     canopen::ObjectAddress address;
-    canopen::DataType type;
-    std::size_t position;
+    canopen::DataType type = canopen::DataType::u16;
+    std::size_t position = 0;
   };
 
   config::Source source;

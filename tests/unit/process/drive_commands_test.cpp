@@ -470,6 +470,7 @@ TEST_F(CommandsTest, CommandsOfOneDriveLeaveInOrderOfArrival) {
 }
 
 TEST_F(CommandsTest, CommandNotBegunByItsDeadlineIsWithdrawn) {
+  model_.node.sdo.timeout = 2s;  // the first command holds the channel beyond the deadline of both
   bring_online();
   slave_.mute(test::kLimit);
   const auto stuck = write({field("upper_limit", Raw{4000})});
