@@ -29,6 +29,7 @@ struct Shipped {
   std::string presets;
 };
 
+// GoogleTest looks for this name.  NOLINTNEXTLINE(readability-identifier-naming)
 void PrintTo(const Shipped& shipped, std::ostream* out) {
   *out << shipped.profile;
 }

@@ -76,9 +76,9 @@ inline std::string error_of(std::string_view text, std::string_view own_profile 
 
 inline const Signal& signal_of(const Drive& drive, std::string_view name) {
   const auto at = drive.find(name);
-  static const Signal kNone;
+  static const Signal none;
   EXPECT_TRUE(at.has_value()) << name;
-  return at.has_value() ? drive.signals[*at] : kNone;
+  return at.has_value() ? drive.signals[*at] : none;
 }
 
 }  // namespace config

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "canopen/bus.h"
-#include "canopen/virtual_link.h"
 #include "tests/unit/modbus/site.h"
 
 namespace {
@@ -25,6 +23,12 @@ void* operator new(std::size_t size) {
     return memory;
   }
   throw std::bad_alloc();
+}
+// Asio takes memory for coroutines and operations from here.
+extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  ++allocations;
+  void* memory = nullptr;
+  return ::posix_memalign(&memory, alignment, size) == 0 ? memory : nullptr;
 }
 void* operator new(std::size_t size, const std::nothrow_t& /*quietly*/) noexcept {
   ++allocations;
@@ -213,8 +217,9 @@ TEST(Connections, AClientThatDoesNotReadHoldsOnlyItself) {
   constexpr std::size_t kAtOnce = 50;
   const Bytes request = frame(kUnit, "03 03e8 0064");
   Bytes requests;
-  for (std::size_t i = 0; i < kAtOnce; ++i) {
-    requests.insert(requests.end(), request.begin(), request.end());
+  for (std::uint16_t i = 0; i < kAtOnce; ++i) {
+    const Bytes one = frame(kUnit, "03 03e8 0064", i);
+    requests.insert(requests.end(), one.begin(), one.end());
   }
   // The server stops taking requests once it can not hand over answers; then the client's socket fills.
   std::size_t sent = 0;
@@ -224,8 +229,27 @@ TEST(Connections, AClientThatDoesNotReadHoldsOnlyItself) {
     site.settle();
   }
   EXPECT_EQ(site.ask(other, kUnit, "03 0064 0001"), "03 02 0000");
-  // It is held, or closed where half an answer had left: it would take the next one for the rest.
-  EXPECT_GE(site.server().clients(), 1U);
+  // Once it reads, it gets its answers whole and in order. Where the system's buffer took only half of one, there is
+  // no going on: then the connection has ended.
+  std::size_t answered = 0;
+  const auto next = [&lazy] {
+    if (!lazy.has_frame()) {
+      lazy.receive();
+    }
+    return lazy.has_frame() || lazy.closed();
+  };
+  while (answered < sent / request.size()) {
+    ASSERT_TRUE(site.settle_until(next)) << answered;
+    if (!lazy.has_frame()) {
+      break;
+    }
+    const Bytes answer = lazy.take_frame();
+    ASSERT_EQ(answer.size(), 209U);
+    ASSERT_EQ(answer[0] << 8 | answer[1], static_cast<int>(answered % kAtOnce));
+    ++answered;
+  }
+  EXPECT_GT(answered, 0U);
+  EXPECT_EQ(site.ask(other, kUnit, "03 0064 0001"), "03 02 0000");
 }
 
 TEST(Connections, ReadsAreAnsweredWithoutAllocation) {
@@ -245,6 +269,9 @@ TEST(Connections, ReadsAreAnsweredWithoutAllocation) {
   for (std::size_t i = 5; i < counts.size(); ++i) {
     EXPECT_EQ(counts[i], 0U) << i;
   }
+  const std::size_t before = allocations;
+  EXPECT_EQ(site.ask(client, kUnit, "06 012c 0001"), "06 012c 0001");
+  EXPECT_GT(allocations, before);  // what counts does count
 }
 
 TEST(Listening, Ipv6AndBothAtOnce) {
@@ -283,15 +310,11 @@ TEST(Listening, ANameIsResolved) {
   EXPECT_NE(site.port(), 0);
 }
 
-std::string start_failure(const config::Endpoint& endpoint) {
-  config::Model model = example_model();
-  model.modbus->listen = {endpoint};
+std::string start_failure(Site& site, const config::Endpoint& endpoint) {
+  config::Modbus settings;
+  settings.listen = {endpoint};
+  modbus::Server server(site.loop().executor(), site.plant(), settings);
   try {
-    support::HandDrivenLoop loop;
-    canopen::VirtualBus can(loop.executor());
-    canopen::Bus bus(loop.executor(), can.connect(), {});
-    process::Plant plant(loop.executor(), model, {{&bus, {}}});
-    modbus::Server server(loop.executor(), plant, *model.modbus);
     server.start();
   } catch (const std::runtime_error& error) {
     return error.what();
@@ -301,17 +324,17 @@ std::string start_failure(const config::Endpoint& endpoint) {
 
 TEST(Listening, AFailureNamesPlaceCauseAndRemedy) {
   Site site;
-  const std::string taken = start_failure({"127.0.0.1", site.port()});
+  const std::string taken = start_failure(site, {"127.0.0.1", site.port()});
   EXPECT_NE(taken.find("[modbus] listen: cannot listen on 127.0.0.1:" + std::to_string(site.port())), std::string::npos)
       << taken;
   EXPECT_NE(taken.find("in use"), std::string::npos) << taken;
   EXPECT_NE(taken.find("another port"), std::string::npos) << taken;
-  const std::string foreign = start_failure({"192.0.2.1", 0});
+  const std::string foreign = start_failure(site, {"192.0.2.1", 0});
   EXPECT_NE(foreign.find("192.0.2.1:0"), std::string::npos) << foreign;
   EXPECT_NE(foreign.find("this machine must have the address"), std::string::npos) << foreign;
-  const std::string foreign_v6 = start_failure({"2001:db8::1", 1502});
+  const std::string foreign_v6 = start_failure(site, {"2001:db8::1", 1502});
   EXPECT_NE(foreign_v6.find("[2001:db8::1]:1502"), std::string::npos) << foreign_v6;
-  EXPECT_NE(start_failure({"no-such-host.invalid", 1502}).find("no-such-host.invalid:1502"), std::string::npos);
+  EXPECT_NE(start_failure(site, {"no-such-host.invalid", 1502}).find("no-such-host.invalid:1502"), std::string::npos);
 }
 
 TEST(Stopping, EndsConnectionsAndListeners) {

@@ -111,7 +111,9 @@ TEST_P(GatewayUnit, CountsAndKnowsItsParts) {
 }
 
 TEST_P(GatewayUnit, TheCounterGrowsEvery100Milliseconds) {
-  Site site;
+  config::Model model = example_model();
+  model.modbus->idle_timeout = {};
+  Site site(model);
   const auto ask = [&site] { return site.ask(site.client(), GetParam(), "03 0000 0001"); };
   EXPECT_EQ(ask(), "03 02 0000");
   site.loop().advance(milliseconds(99));
@@ -143,7 +145,7 @@ TEST_P(GatewayUnit, UnusedReadsZeroAndNothingTakesAValue) {
   EXPECT_EQ(ask("03 00c8 0001"), "83 02");
   EXPECT_EQ(ask("03 03e8 0001"), "03 02 0000");
   EXPECT_EQ(ask("03 044c 0001"), "83 02");
-  EXPECT_EQ(ask("01 0000 00c8"), "01 19 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 00");
+  EXPECT_EQ(ask("01 0000 00c8"), "01 19 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 00");
   EXPECT_EQ(ask("01 0001 00c8"), "81 02");
   EXPECT_EQ(ask("06 0000 0001"), "86 02");
   EXPECT_EQ(ask("05 0000 ff00"), "85 02");

@@ -123,7 +123,8 @@ TEST(Reads, AValueThatIsOverdueIsRefusedWhileTheRestStaysReadable) {
   EXPECT_EQ(site.ask("03 00c8 0002"), "83 0b");
   EXPECT_EQ(site.ask("01 0000 0001"), "81 0b");
   EXPECT_EQ(site.ask("03 000a 0001"), "03 02 0000");  // of TPDO2, which comes on change only
-  EXPECT_EQ(site.ask("03 03e8 0001"), "03 02 0023");  // online, operational, configured, not all fresh
+  EXPECT_EQ(site.ask("03 03e8 0001"),
+            "03 02 002b");  // online, operational, a warning (data), configured; not all fresh
   site.send_values(1, 100, 5);
   EXPECT_EQ(site.ask("03 0000 0001"), "03 02 0001");
 }

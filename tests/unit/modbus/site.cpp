@@ -196,12 +196,12 @@ Site::Site(config::Model model)
       puppet_(can_, kNode),
       bus_(loop_.executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}),
       plant_(loop_.executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}),
+      bus_state_(bus_.subscribe_state([this](const canopen::BusState& state) { plant_.set_bus_state(0, state); })),
       server_(loop_.executor(), plant_, *model_.modbus) {
   fill_dictionary(puppet_);
   plant_.add(server_);
   server_.start();
   bus_.start();
-  plant_.set_bus_state(0, bus_.state());
   plant_.start();
   loop_.settle();
 }

@@ -11,6 +11,7 @@
 #include "bridges/modbus/server.h"
 #include "bridges/process/plant.h"
 #include "canopen/bus.h"
+#include "canopen/subscription.h"
 #include "canopen/virtual_link.h"
 #include "config/model.h"
 #include "tests/support/hand_driven_loop.h"
@@ -100,6 +101,7 @@ class Site {
   Puppet puppet_;
   canopen::Bus bus_;
   process::Plant plant_;
+  canopen::Subscription bus_state_;
   modbus::Server server_;
   std::unique_ptr<TcpClient> client_;
   std::array<std::uint8_t, 8> values_{};

@@ -9,6 +9,7 @@
 
 namespace mqtt::test {
 
+// Named like the constants that they are used as.  NOLINTBEGIN(readability-identifier-naming)
 enum SignalPosition : std::size_t {
   kStatusWord,
   kFrequency,
@@ -21,6 +22,7 @@ enum SignalPosition : std::size_t {
   kMode,
   kSwitch
 };
+// NOLINTEND(readability-identifier-naming)
 
 inline config::Signal signal(std::string name, std::uint16_t index, std::uint8_t sub, canopen::DataType type,
                              config::Access access, config::Source source) {
