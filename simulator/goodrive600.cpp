@@ -37,9 +37,9 @@ void Goodrive600::define_parameter_channel() {
   for (std::size_t sub = 0; sub < request_.size(); ++sub) {
     Object object;
     object.mappable = Mappable::receive;
-    object.read = [this, sub] { return request_[sub]; };
-    object.write = [this, sub](std::uint32_t value) {
-      request_[sub] = static_cast<std::uint16_t>(value);
+    object.read = [this, i] { return request_[i]; };
+    object.write = [this, i](std::uint32_t value) {
+      request_[i] = static_cast<std::uint16_t>(value);
       return Abort::none;
     };
     dictionary.add({kGoodriveSettings, static_cast<std::uint8_t>(sub)}, std::move(object));

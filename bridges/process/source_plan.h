@@ -14,7 +14,7 @@ namespace process {
 struct SourcePlan {
   /// A signal that is a whole object. `position` is that of its value in the TPDO's mapping; 0 for a polled object.
   struct Word {
-    SignalId signal;
+    SignalId signal = 0;
     std::size_t position = 0;
   };
   /// An object of the source as SDO reads it.

@@ -26,13 +26,13 @@ std::vector<TraceFrame> golden_trace(std::string_view name) {
   if (!file) {
     throw std::runtime_error(path.string() + ": cannot be read");
   }
-  static const std::regex kLine(R"(^\((\d+)\.(\d{6})\) \S+ ([0-9A-F]{3})#((?:[0-9A-F]{2}){0,8})$)");
+  static const std::regex line_form(R"(^\((\d+)\.(\d{6})\) \S+ ([0-9A-F]{3})#((?:[0-9A-F]{2}){0,8})$)");
   std::vector<TraceFrame> trace;
   canopen::Duration first{};
   std::string line;
   while (std::getline(file, line)) {
     std::smatch parts;
-    if (!std::regex_match(line, parts, kLine)) {
+    if (!std::regex_match(line, parts, line_form)) {
       throw std::runtime_error(path.string() + ": not a frame: " + line);
     }
     const canopen::Duration at =
