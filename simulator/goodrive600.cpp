@@ -34,7 +34,7 @@ void Goodrive600::start(Drive& drive) {
 
 void Goodrive600::define_parameter_channel() {
   ObjectDictionary& dictionary = drive_->dictionary();
-  for (std::size_t sub = 0; sub < request_.size(); ++sub) {
+  for (std::size_t i = 0; i < request_.size(); ++i) {
     Object object;
     object.mappable = Mappable::receive;
     object.read = [this, i] { return request_[i]; };
@@ -42,7 +42,7 @@ void Goodrive600::define_parameter_channel() {
       request_[i] = static_cast<std::uint16_t>(value);
       return Abort::none;
     };
-    dictionary.add({kGoodriveSettings, static_cast<std::uint8_t>(sub)}, std::move(object));
+    dictionary.add({kGoodriveSettings, static_cast<std::uint8_t>(i)}, std::move(object));
   }
   dictionary.add_reading({kGoodriveReturns, 0}, 2, [this] { return answer_.response; }, Mappable::transmit);
   dictionary.add_reading({kGoodriveReturns, 1}, 2, [this] { return answer_.error; }, Mappable::transmit);

@@ -83,24 +83,25 @@ class Connection::Body final : private callback {
  public:
   Body(const ConnectionSettings& settings, ConnectionEvents& events)
       : events_(events),
-        settings_(settings),
-        client_(settings_.uri, settings_.client_id, creation_of(settings_), nullptr) {
+        version_(settings.version),
+        qos_(settings.qos),
+        options_(options_of(settings)),
+        client_(settings.uri, settings.client_id, creation_of(settings), nullptr) {
     client_.set_callback(*this);
   }
 
-  // Properties are only made while a client exists: Paho forgets, and so leaks, those from before its first one.
-  void connect() { client_.connect(options_of(settings_), nullptr, connecting_); }
+  void connect() { client_.connect(options_, nullptr, connecting_); }
 
   void publish(Message message, InFlight& in_flight) {
     properties given;
-    if (settings_.version >= MQTTVERSION_5 && message.correlation) {
+    if (version_ >= MQTTVERSION_5 && message.correlation) {
       given.add({property::CORRELATION_DATA, *message.correlation});
     }
     if (message.kind == MessageKind::answer) {
       in_flight.answer = message;
     }
     client_.publish(
-        message::create(std::move(message.topic), std::move(message.payload), settings_.qos, message.retained, given),
+        message::create(std::move(message.topic), std::move(message.payload), qos_, message.retained, given),
         &in_flight, publishing_);
   }
 
@@ -120,13 +121,12 @@ class Connection::Body final : private callback {
     client_.unsubscribe(std::make_shared<string_collection>(filters));
   }
 
-  void disconnect(std::chrono::milliseconds patience, bool say_will) {
-    if (say_will) {
-      // QoS 0 waits for no acknowledgement of others. Where not even this leaves, neither does the goodbye, and the
-      // broker publishes the will itself.
-      client_.publish(message::create(settings_.will_topic, settings_.will_payload, 0, true));
+  void disconnect(std::chrono::milliseconds patience, bool with_will) {
+    disconnect_options options(patience);
+    if (with_will && version_ >= MQTTVERSION_5) {
+      options.set_reason_code(DISCONNECT_WITH_WILL_MESSAGE);
     }
-    client_.disconnect(patience)->wait_for(patience * 2);
+    client_.disconnect(options)->wait_for(patience * 2);
   }
 
  private:
@@ -256,9 +256,9 @@ bool Connection::unsubscribe(const std::vector<std::string>& filters) {
   }
 }
 
-void Connection::disconnect(std::chrono::milliseconds patience, bool say_will) {
+void Connection::disconnect(std::chrono::milliseconds patience, bool with_will) {
   try {
-    body_->disconnect(patience, say_will);
+    body_->disconnect(patience, with_will);
   } catch (const std::exception&) {
     return;  // it is gone already
   }

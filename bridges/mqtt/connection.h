@@ -81,9 +81,9 @@ class Connection {
   [[nodiscard]] Sent publish(Message message, InFlight& in_flight);
   [[nodiscard]] bool subscribe(const std::vector<Subscription>& subscriptions);
   [[nodiscard]] bool unsubscribe(const std::vector<std::string>& filters);
-  /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
-  /// for it, and never leaves without a goodbye).
-  void disconnect(std::chrono::milliseconds patience, bool say_will);
+  /// Says goodbye. `with_will`: the broker is to publish the will all the same. MQTT 3.1.1 cannot ask for that, and
+  /// Paho never leaves without a goodbye: there the will is only published when the connection breaks.
+  void disconnect(std::chrono::milliseconds patience, bool with_will);
 
  private:
   class Body;

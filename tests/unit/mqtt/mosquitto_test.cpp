@@ -62,16 +62,6 @@ TEST_F(OnMosquitto, SpeaksMqtt5AndPublishesRetained) {
   EXPECT_TRUE(run_until([this] { return retained("canopen/line3/status").empty(); })) << "emptied";
 }
 
-TEST_F(OnMosquitto, TheWillSaysOfflineWhenTheGatewayVanishes) {
-  make(settings(broker_.port()));
-  ASSERT_TRUE(connected());
-  publisher->publish({{.topic = "canopen/line3/status", .payload = "online"}});
-  open();
-  ASSERT_TRUE(is_retained("canopen/line3/status", "online"));
-  publisher.reset();  // without a goodbye
-  EXPECT_TRUE(is_retained("canopen/line3/status", "offline"));
-}
-
 TEST_F(OnMosquitto, AnOrderlyEndSaysItsLastWordsAndNoWill) {
   make(settings(broker_.port()));
   ASSERT_TRUE(connected());
