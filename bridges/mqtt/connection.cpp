@@ -2,6 +2,7 @@
 
 #include <mqtt/async_client.h>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <memory>
@@ -12,8 +13,9 @@
 namespace mqtt {
 namespace {
 
+constexpr int kWindow = static_cast<int>(BrokerLimits{}.window);
 // Of ours that Paho may hold; our window stays below it, so it never refuses one.
-constexpr int kPahoBuffer = static_cast<int>(Connection::kWindow) * 2;
+constexpr int kPahoBuffer = kWindow * 2;
 // Longest message we take, in bytes (MQTT 5 only): the broker drops longer ones.
 constexpr std::int32_t kMaxIncoming = 128 * 1024;
 // Reason codes from here on are failures (MQTT 5 §2.4); so is 0x80 in a SUBACK of 3.1.1 (§3.9.3).
@@ -31,7 +33,7 @@ connect_options options_of(const ConnectionSettings& settings) {
   options.set_automatic_reconnect(false);
   options.set_keep_alive_interval(settings.keep_alive);
   options.set_connect_timeout(settings.connect_timeout);
-  options.set_max_inflight(static_cast<int>(Connection::kWindow));
+  options.set_max_inflight(kWindow);
   if (!settings.username.empty()) {
     options.set_user_name(settings.username);
     options.set_password(settings.password);
@@ -48,14 +50,17 @@ create_options creation_of(const ConnectionSettings& settings) {
   return options;
 }
 
-// Longest message the broker takes; 0: it did not say.
-std::size_t max_packet_of(const token& connected) {
+BrokerLimits limits_of(const token& connected) {
+  BrokerLimits limits;
   const connect_response response = connected.get_connect_response();
   const properties& given = response.get_properties();
-  if (!given.contains(property::MAXIMUM_PACKET_SIZE)) {
-    return 0;
+  if (given.contains(property::MAXIMUM_PACKET_SIZE)) {
+    limits.packet = get<std::uint32_t>(given, property::MAXIMUM_PACKET_SIZE);
   }
-  return get<std::uint32_t>(given, property::MAXIMUM_PACKET_SIZE);
+  if (given.contains(property::RECEIVE_MAXIMUM)) {
+    limits.window = std::clamp<std::size_t>(get<std::uint16_t>(given, property::RECEIVE_MAXIMUM), 1, limits.window);
+  }
+  return limits;
 }
 
 Incoming incoming_of(const message& received) {
@@ -83,25 +88,24 @@ class Connection::Body final : private callback {
  public:
   Body(const ConnectionSettings& settings, ConnectionEvents& events)
       : events_(events),
-        version_(settings.version),
-        qos_(settings.qos),
-        options_(options_of(settings)),
-        client_(settings.uri, settings.client_id, creation_of(settings), nullptr) {
+        settings_(settings),
+        client_(settings_.uri, settings_.client_id, creation_of(settings_), nullptr) {
     client_.set_callback(*this);
   }
 
-  void connect() { client_.connect(options_, nullptr, connecting_); }
+  // Properties are only made while a client exists: Paho forgets, and so leaks, what it allocated before its first one.
+  void connect() { client_.connect(options_of(settings_), nullptr, connecting_); }
 
   void publish(Message message, InFlight& in_flight) {
     properties given;
-    if (version_ >= MQTTVERSION_5 && message.correlation) {
+    if (settings_.version >= MQTTVERSION_5 && message.correlation) {
       given.add({property::CORRELATION_DATA, *message.correlation});
     }
     if (message.kind == MessageKind::answer) {
       in_flight.answer = message;
     }
     client_.publish(
-        message::create(std::move(message.topic), std::move(message.payload), qos_, message.retained, given),
+        message::create(std::move(message.topic), std::move(message.payload), settings_.qos, message.retained, given),
         &in_flight, publishing_);
   }
 
@@ -113,7 +117,7 @@ class Connection::Body final : private callback {
     const subscribe_options plain;
     for (const Subscription& subscription : subscriptions) {
       client_.subscribe(subscription.filter, subscription.qos, nullptr, subscribing_,
-                        version_ >= MQTTVERSION_5 ? as_published : plain);
+                        settings_.version >= MQTTVERSION_5 ? as_published : plain);
     }
   }
 
@@ -121,12 +125,13 @@ class Connection::Body final : private callback {
     client_.unsubscribe(std::make_shared<string_collection>(filters));
   }
 
-  void disconnect(std::chrono::milliseconds patience, bool with_will) {
-    disconnect_options options(patience);
-    if (with_will && version_ >= MQTTVERSION_5) {
-      options.set_reason_code(DISCONNECT_WITH_WILL_MESSAGE);
+  void disconnect(std::chrono::milliseconds patience, bool say_will) {
+    if (say_will) {
+      // QoS 0 waits for no acknowledgement of others. Where not even this leaves, neither does the goodbye, and the
+      // broker publishes the will itself.
+      client_.publish(message::create(settings_.will_topic, settings_.will_payload, 0, true));
     }
-    client_.disconnect(options)->wait_for(patience * 2);
+    client_.disconnect(patience)->wait_for(patience * 2);
   }
 
  private:
@@ -140,13 +145,13 @@ class Connection::Body final : private callback {
   }
 
   void came_up(const token& done) {
-    std::size_t max_packet = 0;
+    BrokerLimits limits;
     try {
-      max_packet = max_packet_of(done);
+      limits = limits_of(done);
     } catch (const std::exception&) {
-      max_packet = 0;  // 3.1.1 has no such property
+      limits = {};  // 3.1.1 says nothing of the kind
     }
-    events_.on_up(max_packet);
+    events_.on_up(limits);
   }
 
   void was_granted(const token& done) {
@@ -176,9 +181,7 @@ class Connection::Body final : private callback {
   }
 
   ConnectionEvents& events_;
-  int version_;
-  int qos_;
-  connect_options options_;
+  ConnectionSettings settings_;
   std::atomic<std::size_t> awaited_{0};  ///< Answers to subscriptions, which come in a thread of Paho.
   std::atomic<bool> all_granted_{true};
   struct Connecting final : iaction_listener {
@@ -256,9 +259,9 @@ bool Connection::unsubscribe(const std::vector<std::string>& filters) {
   }
 }
 
-void Connection::disconnect(std::chrono::milliseconds patience, bool with_will) {
+void Connection::disconnect(std::chrono::milliseconds patience, bool say_will) {
   try {
-    body_->disconnect(patience, with_will);
+    body_->disconnect(patience, say_will);
   } catch (const std::exception&) {
     return;  // it is gone already
   }

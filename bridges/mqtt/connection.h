@@ -32,6 +32,14 @@ struct InFlight {
   std::optional<Message> answer;  ///< Sent again when the connection breaks first.
 };
 
+/// What the broker takes.
+struct BrokerLimits {
+  std::size_t packet = 0;  ///< Longest message in bytes; 0: any.
+  /// QoS 1 messages not yet acknowledged at a time (Receive Maximum of MQTT 5). Paho takes more, but then sends some
+  /// hundred times slower; so ours wait in the outbox.
+  std::size_t window = 100;
+};
+
 enum class Delivery : std::uint8_t {
   done,     ///< Acknowledged, or with QoS 0 written.
   refused,  ///< The broker took it and refused it.
@@ -42,8 +50,7 @@ enum class Delivery : std::uint8_t {
 /// connection, wait or throw.
 class ConnectionEvents {
  public:
-  /// `max_packet`: longest message the broker takes, in bytes; 0: any.
-  virtual void on_up(std::size_t max_packet) noexcept = 0;
+  virtual void on_up(BrokerLimits limits) noexcept = 0;
   /// Connecting failed; `code` is that of CONNACK, or negative where none came.
   virtual void on_refused(int code) noexcept = 0;
   virtual void on_down() noexcept = 0;
@@ -66,9 +73,6 @@ class Connection {
     broken  ///< The connection is of no more use.
   };
 
-  /// More messages are never under way; further ones wait in our outbox.
-  static constexpr std::size_t kWindow = 100;
-
   /// `events` outlives the connection.
   Connection(const ConnectionSettings& settings, ConnectionEvents& events);
   ~Connection();
@@ -81,9 +85,9 @@ class Connection {
   [[nodiscard]] Sent publish(Message message, InFlight& in_flight);
   [[nodiscard]] bool subscribe(const std::vector<Subscription>& subscriptions);
   [[nodiscard]] bool unsubscribe(const std::vector<std::string>& filters);
-  /// Says goodbye. `with_will`: the broker is to publish the will all the same. MQTT 3.1.1 cannot ask for that, and
-  /// Paho never leaves without a goodbye: there the will is only published when the connection breaks.
-  void disconnect(std::chrono::milliseconds patience, bool with_will);
+  /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
+  /// for it, and never leaves without a goodbye).
+  void disconnect(std::chrono::milliseconds patience, bool say_will);
 
  private:
   class Body;

@@ -137,11 +137,11 @@ bool Traffic::finishing() {
   return finishing_;
 }
 
-void Traffic::on_up(std::size_t max_packet) noexcept {
+void Traffic::on_up(BrokerLimits limits) noexcept {
   const std::lock_guard lock(mutex_);
   if (link_ == Link::connecting) {
     link_ = Link::up;
-    max_packet_ = max_packet;
+    limits_ = limits;
   }
   wake_.notify_one();
 }
@@ -199,24 +199,24 @@ bool Traffic::farewell_over() const {
 }
 
 bool Traffic::has_work() const {
-  const bool can_send = sends() && !outbox_.empty() && in_flight_.size() < Connection::kWindow;
+  const bool can_send = sends() && !outbox_.empty() && in_flight_.size() < limits_.window;
   return link_ != Link::up || !orders_.empty() || can_send || (finishing_ && farewell_over());
 }
 
 void Traffic::take_messages(Work& work) {
-  while (sends() && in_flight_.size() < Connection::kWindow) {
+  while (sends() && in_flight_.size() < limits_.window) {
     std::optional<Message> message = outbox_.pop();
     if (!message) {
       return;
     }
     const std::size_t size = message->topic.size() + message->payload.size() + kOverhead;
-    if (max_packet_ == 0 || size <= max_packet_) {
+    if (limits_.packet == 0 || size <= limits_.packet) {
       if (in_flight_.empty()) {
         progress_ = Clock::now();
       }
       work.messages.emplace_back(std::move(*message), &in_flight_.emplace_back());
     } else if (!std::exchange(said_too_long_, true)) {
-      loop_->post(Said{Level::error, "MQTT: the broker takes messages of " + std::to_string(max_packet_) +
+      loop_->post(Said{Level::error, "MQTT: the broker takes messages of " + std::to_string(limits_.packet) +
                                          " bytes at most; " + message->topic + " is longer and is not published"});
     }
   }

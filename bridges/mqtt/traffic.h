@@ -63,7 +63,7 @@ class Traffic final : public ConnectionEvents {
   [[nodiscard]] bool finishing();
 
   // From Paho's threads.
-  void on_up(std::size_t max_packet) noexcept override;
+  void on_up(BrokerLimits limits) noexcept override;
   void on_refused(int code) noexcept override;
   void on_down() noexcept override;
   void on_incoming(Incoming&& message) noexcept override;
@@ -93,7 +93,7 @@ class Traffic final : public ConnectionEvents {
   ConnectionId opened_ = 0;
   Link link_ = Link::none;
   int refusal_ = 0;
-  std::size_t max_packet_ = 0;
+  BrokerLimits limits_;
   std::list<InFlight> in_flight_;
   Clock::time_point progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
   bool finishing_ = false;
