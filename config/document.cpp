@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 // The only file that knows toml++: it costs seconds of compile time wherever it is included.
@@ -89,7 +90,7 @@ Place place_of(const toml::source_region& region, std::uint16_t file) {
 }
 
 bool before(const Entry& a, const Entry& b) {
-  return std::pair(a.key_place.line, a.key_place.column) < std::pair(b.key_place.line, b.key_place.column);
+  return std::tie(a.key_place.line, a.key_place.column, a.key) < std::tie(b.key_place.line, b.key_place.column, b.key);
 }
 
 Node convert(const toml::node& from, std::uint16_t file, int depth);
@@ -110,7 +111,7 @@ void convert_table(const toml::table& from, Node& node, int depth) {
                             .key_place = place_of(key.source(), node.place.file),
                             .value = convert(value, node.place.file, depth + 1)});
   }
-  std::stable_sort(node.entries.begin(), node.entries.end(), before);
+  std::sort(node.entries.begin(), node.entries.end(), before);
 }
 
 Node convert(const toml::node& from, std::uint16_t file, int depth) {

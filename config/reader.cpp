@@ -102,8 +102,8 @@ std::vector<std::pair<std::int64_t, const Entry*>> read_numbered(const Node& tab
       }
     }
   }
-  // Stable: of two spellings of one number the one laid over the other comes last.
-  std::stable_sort(numbered.begin(), numbered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  // Of two spellings of one number the one laid over the other comes last: entries keep their order.
+  std::sort(numbered.begin(), numbered.end());
   return numbered;
 }
 

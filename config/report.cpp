@@ -1,6 +1,7 @@
 #include "config/report.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -32,21 +33,21 @@ bool Report::has_errors() const noexcept {
 }
 
 Findings Report::take() {
-  const auto rank = [](const Noted& noted) { return std::tie(noted.place.file, noted.place.line, noted.place.column); };
-  std::stable_sort(noted_.begin(), noted_.end(), [&rank](const Noted& a, const Noted& b) { return rank(a) < rank(b); });
+  std::sort(noted_.begin(), noted_.end(), [](const Noted& a, const Noted& b) {
+    return std::tie(a.place.file, a.place.line, a.place.column, a.text) <
+           std::tie(b.place.file, b.place.line, b.place.column, b.text);
+  });
   Findings findings;
+  std::set<std::string> seen;
   for (Noted& noted : noted_) {
+    Finding finding{.file = files_.at(noted.place.file),
+                    .line = noted.place.line,
+                    .column = noted.place.column,
+                    .level = noted.level,
+                    .text = std::move(noted.text)};
     // Two drives of one profile meet the same mistake in it.
-    const bool known = std::any_of(findings.rbegin(), findings.rend(), [&](const Finding& f) {
-      return f.line == noted.place.line && f.column == noted.place.column && f.text == noted.text &&
-             f.file == files_.at(noted.place.file);
-    });
-    if (!known) {
-      findings.push_back({.file = files_.at(noted.place.file),
-                          .line = noted.place.line,
-                          .column = noted.place.column,
-                          .level = noted.level,
-                          .text = std::move(noted.text)});
+    if (seen.insert(to_string(finding)).second) {
+      findings.push_back(std::move(finding));
     }
   }
   noted_.clear();

@@ -8,6 +8,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 const std::string kMixer = "[[drive]]\nname = \"mixer1\"\nnode = 9\nprofile = \"vacon-opte6\"\n";
 const std::string kCommands = "[drive.commands]\nwriters = [\"mqtt\"]\n";
@@ -43,9 +44,10 @@ TEST(Advice, WarnsOfAnRpdoThatIsNeverSent) {
       "[[drive]]\nname = \"hoist1\"\nnode = 7\nprofile = \"invt-goodrive600\"\n"
       "returns = { 1 = \"output_frequency\" }\nsettings = { 1 = \"frequency_command\" }\n";
   const std::string limits = "[drive.signals.frequency_command]\nmax = 50\n";
-  EXPECT_THAT(warnings_of(load_site(kBus + hoist + kCommands + limits)),
-              ElementsAre(HasSubstr("nothing stops it"),
-                          HasSubstr("rpdo2 is never sent, because nothing says what its field 0x2100:04 is for")));
+  EXPECT_THAT(
+      warnings_of(load_site(kBus + hoist + kCommands + limits)),
+      UnorderedElementsAre(HasSubstr("nothing stops it"),
+                           HasSubstr("rpdo2 is never sent, because nothing says what its field 0x2100:04 is for")));
 }
 
 }  // namespace
