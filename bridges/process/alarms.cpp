@@ -95,6 +95,9 @@ void Alarms::restore_emcy(const Alarm& before) {
     }
     return;
   }
+  if (std::exchange(restored_, true)) {
+    return;
+  }
   emergencies_.restore(before);
   record(AlarmKind::emcy).restore(before);
   record(AlarmKind::emcy)

@@ -33,8 +33,8 @@ class Alarms {
   void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
   /// Texts of what is wrong with TPDOs; none: nothing.
   void on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall);
-  /// The emergency alarm as it was before the gateway's start; once the drive was online, only
-  /// the identity of an error that is still active.
+  /// The emergency alarm as it was before the gateway's start, taken once; after the drive was online, only the
+  /// identity of an error that is still active.
   void restore_emcy(const Alarm& before);
 
   [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept;
@@ -52,6 +52,7 @@ class Alarms {
   Emergencies emergencies_;
   std::array<AlarmRecord, kAlarmKinds.size()> records_;
   bool was_online_ = false;
+  bool restored_ = false;
 };
 
 }  // namespace process

@@ -59,8 +59,8 @@ class Commands {
   /// What was true when a command arrived.
   struct Arrival {
     canopen::TimePoint deadline;
-    std::uint32_t session;
-    std::uint32_t knowledge;
+    std::uint32_t session = 0;
+    std::uint32_t knowledge = 0;
   };
 
   [[nodiscard]] Arrival arrive() const;

@@ -70,6 +70,15 @@ void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
   entries_.push_back({.error = {emcy.code, emcy.vendor, std::move(named.text), named.severity, since},
                       .origin = Origin::emcy,
                       .drive_code = emcy.drive_code});
+  keep_few();
+}
+
+void Emergencies::keep_few() {
+  while (entries_.size() > kMaxErrors) {
+    const auto warning = std::find_if(entries_.begin(), entries_.end(),
+                                      [](const Entry& entry) { return entry.error.severity == Severity::warning; });
+    entries_.erase(warning != entries_.end() ? warning : entries_.begin());
+  }
 }
 
 void Emergencies::clear_all(TimePoint at) {
@@ -251,6 +260,7 @@ void Emergencies::restore(const Alarm& before) {
                        [&](const Entry& entry) { return entry.error.code == old.error.code; });
   });
   entries_.insert(entries_.begin(), std::make_move_iterator(restored.begin()), std::make_move_iterator(restored.end()));
+  keep_few();
 }
 
 std::vector<AlarmError> Emergencies::errors() const {

@@ -33,6 +33,10 @@ struct ErrorReadings {
 /// Functions return true where something may look different now.
 class Emergencies {
  public:
+  /// Errors kept at once. Some drives put something that changes all the time into the vendor bytes; the oldest goes
+  /// then, a warning before a fault.
+  static constexpr std::size_t kMaxErrors = 32;
+
   /// `model` outlives it.
   explicit Emergencies(const config::Drive& model);
 
@@ -77,6 +81,7 @@ class Emergencies {
   [[nodiscard]] bool has(config::Severity severity) const noexcept;
   [[nodiscard]] bool names(const Entry& entry, std::uint64_t fault_code) const noexcept;
   void add(const canopen::Emcy& emcy, canopen::WallTime wall);
+  void keep_few();
   void clear_all(canopen::TimePoint at);
   bool on_bit_set(config::Severity severity, canopen::Duration period, canopen::TimePoint at, canopen::WallTime wall);
   bool on_bit_clear(config::Severity severity, canopen::Duration period, canopen::TimePoint at);

@@ -67,7 +67,11 @@ std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Fiel
     }
   }
   std::reverse(ordered.begin(), ordered.end());
-  std::stable_partition(ordered.begin(), ordered.end(), [&](const Field& field) { return !is_control(model, field); });
+  const auto control =
+      std::find_if(ordered.begin(), ordered.end(), [&](const Field& field) { return is_control(model, field); });
+  if (control != ordered.end()) {
+    std::rotate(control, control + 1, ordered.end());
+  }
   return ordered;
 }
 

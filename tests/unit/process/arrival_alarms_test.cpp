@@ -1,0 +1,207 @@
+// Errors over loss and return of a drive, and over a restart of the gateway.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/unit/process/alarms_fixture.h"
+
+namespace process {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST_F(AlarmsTest, OfflineKeepsTheAlarmUnconfirmed) {
+  come_online();
+  emcy(0x0004);
+  const Alarm before = emcy_alarm();
+  go_offline();
+  EXPECT_TRUE(emcy_alarm().active);
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  EXPECT_EQ(emcy_alarm().id, before.id);
+  EXPECT_EQ(emcy_alarm().errors, before.errors);
+}
+
+TEST_F(AlarmsTest, AfterReturnTheErrorRegisterDecides) {
+  come_online();
+  emcy(0x0004);
+  go_offline();
+  come_online();
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  readings({.error_register = std::uint8_t{0x01}, .fault_code = 4, .history = {}});
+  EXPECT_TRUE(emcy_alarm().confirmed);
+  EXPECT_EQ(codes(), (Codes{4}));
+  go_offline();
+  come_online();
+  readings({.error_register = std::uint8_t{0}, .fault_code = {}, .history = {}});
+  EXPECT_FALSE(emcy_alarm().active);
+  EXPECT_TRUE(emcy_alarm().confirmed);
+}
+
+TEST_F(AlarmsTest, AbsentErrorRegisterDecidesNothing) {
+  come_online();
+  emcy(0x0004);
+  go_offline();
+  come_online();
+  readings({});
+  EXPECT_TRUE(emcy_alarm().active);
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  fault(true);
+  EXPECT_TRUE(emcy_alarm().confirmed);
+  fault(false);
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, WithoutAnyWitnessTheAlarmStaysUnconfirmedUntilAnEmergency) {
+  come_online();
+  emcy(0x0004);
+  go_offline();
+  come_online();
+  readings({});
+  pass(24h);
+  EXPECT_TRUE(emcy_alarm().active);
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  reset();
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, ErrorFoundAtArrivalIsNamedByFaultCodeThenHistory) {
+  come_online();
+  readings({.error_register = std::uint8_t{0x01}, .fault_code = 5, .history = {}});
+  EXPECT_EQ(emcy_alarm().code, 5);
+  EXPECT_EQ(emcy_alarm().text, "Overcurrent during deceleration");
+  EXPECT_TRUE(emcy_alarm().confirmed);
+
+  build();
+  come_online();
+  readings({.error_register = std::uint8_t{0x01}, .fault_code = 0, .history = std::uint16_t{4}});
+  EXPECT_EQ(emcy_alarm().code, 4);
+  EXPECT_EQ(emcy_alarm().text, "Overcurrent during acceleration");
+
+  build();
+  come_online();
+  readings({.error_register = std::uint8_t{0x01}, .fault_code = {}, .history = {}});
+  EXPECT_TRUE(emcy_alarm().active);
+  EXPECT_EQ(emcy_alarm().text, "drive reports a fault");
+}
+
+TEST_F(AlarmsTest, HistoryAloneIsNoError) {
+  come_online();
+  readings({.error_register = std::uint8_t{0}, .fault_code = 4, .history = std::uint16_t{4}});
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, FaultBitSurvivesAnErrorRegisterThatIsAlwaysZero) {
+  come_online();
+  fault(true);
+  readings({.error_register = std::uint8_t{0}, .fault_code = {}, .history = {}});
+  EXPECT_TRUE(emcy_alarm().active);
+  EXPECT_EQ(emcy_alarm().count, 1U);
+}
+
+TEST_F(AlarmsTest, RestoredAlarmGoesOnUnconfirmedUnderItsId) {
+  Alarm before;
+  before.active = true;
+  before.id = "pump1-emcy-1";
+  before.code = 4;
+  before.text = "Overcurrent during acceleration";
+  before.vendor = {4};
+  before.since = WallTime(5s);
+  before.count = 3;
+  before.errors = {{4, {4}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
+  alarms_->restore_emcy(before);
+  EXPECT_EQ(told_, std::vector<AlarmKind>{AlarmKind::emcy});
+  EXPECT_TRUE(emcy_alarm().active);
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  EXPECT_EQ(emcy_alarm().id, "pump1-emcy-1");
+  EXPECT_EQ(emcy_alarm().count, 3U);
+  EXPECT_EQ(emcy_alarm().since, WallTime(5s));
+
+  come_online();
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  fault(true);
+  EXPECT_TRUE(emcy_alarm().confirmed);
+  EXPECT_EQ(codes(), (Codes{4}));
+  EXPECT_EQ(emcy_alarm().count, 3U);
+  emcy(0x0004, 1, {4});
+  EXPECT_EQ(codes(), (Codes{4}));
+}
+
+TEST_F(AlarmsTest, RestoredAlarmThatIsOverGoesAtArrival) {
+  Alarm before;
+  before.active = true;
+  before.id = "old";
+  before.code = 4;
+  before.count = 1;
+  alarms_->restore_emcy(before);  // Without its list of errors: the head names the one.
+  EXPECT_EQ(codes(), (Codes{4}));
+  come_online();
+  for (int i = 0; i < 4; ++i) {
+    fault(false);
+    pass(100ms);
+  }
+  EXPECT_FALSE(emcy_alarm().active);
+  EXPECT_EQ(emcy_alarm().id, "old");
+  emcy(0x0005);
+  EXPECT_NE(emcy_alarm().id, "old");
+  EXPECT_EQ(emcy_alarm().count, 2U);
+}
+
+TEST_F(AlarmsTest, RestoredErrorByVendorNumberIsNotDoubled) {
+  model_.node.emcy.layout = canopen::EmcyLayout::class_and_vendor40;
+  model_.faults.drive_texts = {{1, {"OUt1", Severity::fault}}};
+  build();
+  Alarm before;
+  before.active = true;
+  before.errors = {{0x3000, {1}, "OUt1", Severity::fault, WallTime(5s)}};
+  alarms_->restore_emcy(before);
+  come_online();
+  readings({.error_register = std::uint8_t{0x04}, .fault_code = 1, .history = {}});
+  EXPECT_EQ(codes(), (Codes{0x3000}));
+}
+
+TEST_F(AlarmsTest, NothingIsRestoredAfterTheDriveArrived) {
+  come_online();
+  Alarm before;
+  before.active = true;
+  before.code = 4;
+  alarms_->restore_emcy(before);
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, IsRestoredOnce) {
+  Alarm before;
+  before.active = true;
+  before.count = 3;
+  before.code = 4;
+  alarms_->restore_emcy(before);
+  alarms_->restore_emcy(before);
+  EXPECT_EQ(emcy_alarm().count, 3U);
+  EXPECT_EQ(codes(), (Codes{4}));
+}
+
+TEST_F(AlarmsTest, RestoreJoinsWhatWasHeardMeanwhile) {
+  emcy(0x0005);
+  Alarm before;
+  before.active = true;
+  before.id = "old";
+  before.count = 7;
+  before.since = WallTime(5s);
+  before.errors = {{4, {4}, "a", Severity::fault, WallTime(5s)}, {5, {}, "b", Severity::fault, WallTime(6s)}};
+  alarms_->restore_emcy(before);
+  EXPECT_EQ(codes(), (Codes{4, 5}));
+  EXPECT_EQ(emcy_alarm().id, "old");
+  EXPECT_EQ(emcy_alarm().count, 7U);
+  EXPECT_EQ(emcy_alarm().code, 5);
+}
+
+TEST_F(AlarmsTest, BeforeTheFirstArrivalNothingIsConfirmed) {
+  EXPECT_FALSE(emcy_alarm().active);
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  come_online();
+  EXPECT_TRUE(emcy_alarm().confirmed);
+}
+
+}  // namespace
+}  // namespace process

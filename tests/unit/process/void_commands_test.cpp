@@ -1,0 +1,218 @@
+// A set-point never carries a run command that nobody gave since fault, standstill, loss, boot-up or start.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/unit/process/commands_fixture.h"
+
+namespace process {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST_F(CommandsTest, SetPointRidesOnTheRpdoWhileTheMotorRuns) {
+  bring_online();
+  run_motor();
+  expect_setpoint_rides_on_rpdo();
+}
+
+TEST_F(CommandsTest, NothingCommandedAfterTheGatewaysStart) {
+  bring_online();
+  run(5s);
+  EXPECT_TRUE(rpdos().empty());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, TakenOverDriveGetsNothingUnasked) {
+  slave_.set_state(5);
+  status_word_ = test::kRunningBit;
+  start();
+  run(3s);
+  ASSERT_TRUE(drive_->status().online);
+  EXPECT_EQ(drive_->image().raw(signal("running")), 1U);
+  expect_silence();
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, BootUpMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  slave_.boot_up();
+  show(0);
+  run(3s);
+  ASSERT_TRUE(drive_->status().online);
+  EXPECT_TRUE(rpdos().empty());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, LossMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  slave_.unplug(true);
+  run(2s);
+  ASSERT_FALSE(drive_->status().online);
+  slave_.unplug(false);
+  run(5s);
+  ASSERT_TRUE(drive_->status().online);
+  EXPECT_TRUE(rpdos().empty());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, BusFailureMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  wire_.set_state({canopen::BusCondition::bus_off, 255, 0});
+  run(100ms);
+  ASSERT_FALSE(drive_->status().online);
+  wire_.set_state({canopen::BusCondition::error_active, 0, 0});
+  run(5s);
+  ASSERT_TRUE(drive_->status().online);
+  EXPECT_TRUE(rpdos().empty());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, FaultBitMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  show(test::kRunningBit | test::kFaultBit);
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, EmergencyOfAFaultMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  emcy(0x0004, 0x01);
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, EmergencyOfAWarningDoesNot) {
+  bring_online();
+  run_motor();
+  emcy(0x0040, 0x01);
+  expect_setpoint_rides_on_rpdo();
+}
+
+TEST_F(CommandsTest, WhatWasCommandedDuringAFaultIsVoidAfterIt) {
+  bring_online();
+  show(test::kFaultBit);
+  ASSERT_TRUE(write_all(1, 30.0).has_value());  // Pressed start, nothing happened.
+  show(0);                                      // Reset at the drive's panel.
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, StandstillMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  show(0);
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, StatusThatIsNotFreshMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  silent_ = true;
+  run(310ms);
+  silent_ = false;
+  run(100ms);
+  ASSERT_TRUE(fresh("running"));
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, WhileNobodyKnowsWhetherItRunsNothingIsKept) {
+  bring_online();
+  silent_ = true;
+  slave_.mute(test::kStatusWord);
+  run(2s);
+  ASSERT_FALSE(fresh("running"));
+  ASSERT_TRUE(write_all(1, 30.0).has_value());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, LeavingOperationalMakesEarlierCommandsVoid) {
+  bring_online();
+  run_motor();
+  slave_.set_state(127);
+  run(600ms);
+  ASSERT_EQ(drive_->status().nmt, canopen::NmtState::pre_operational);
+  static_cast<void>(support::spawn(loop_.executor(), drive_->nmt(writer(), NmtCommand::start)));
+  run(4s);
+  ASSERT_EQ(drive_->status().nmt, canopen::NmtState::operational);
+  EXPECT_TRUE(rpdos().empty());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, CommandsWhileStandingKeepCountingUntilTheMotorStopped) {
+  bring_online();
+  ASSERT_TRUE(write_all(1, 30.0).has_value());
+  run(250ms);  // Not turning yet: no standstill, it never ran.
+  show(test::kRunningBit);
+  expect_setpoint_rides_on_rpdo();
+}
+
+TEST_F(CommandsTest, MomentaryValueIsForgottenOnceSent) {
+  bring_online();
+  ASSERT_TRUE(write_all(7, 30.0).has_value());
+  EXPECT_EQ(rpdos(), std::vector<Bytes>({{7, 0, 0xB8, 0x0B, 0, 0}}));
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, MomentaryValueBySdoReplacesWhatWasKnown) {
+  bring_online();
+  run_motor();
+  ASSERT_TRUE(write_now({field("control_command", Raw{7})}).has_value());
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, FieldOfUnknownOutcomeCountsAsNotCommanded) {
+  bring_online();
+  run_motor();
+  wire_.withhold_echoes(true);
+  const Outcome outcome = finish(write({field("control_command", Raw{1})}), 900ms);
+  expect_refused(outcome, ErrorKind::timeout);
+  EXPECT_TRUE(outcome.error().outcome_unknown);
+  wire_.withhold_echoes(false);
+  run(500ms);
+  slave_.forget_heard();
+  // The bus takes commands again after an echo, which the gateway's own reads bring.
+  ASSERT_TRUE(write_now({field("frequency_command", 20.0)}).has_value());
+  EXPECT_TRUE(rpdos().empty());
+}
+
+TEST_F(CommandsTest, FaultWhileAnSdoWriteIsUnderWayDoesNotReviveKnowledge) {
+  bring_online();
+  ASSERT_TRUE(write_now({field("frequency_command", 10.0)}).has_value());
+  ASSERT_TRUE(write_now({field("torque_command", 0.0)}).has_value());
+  show(test::kRunningBit);
+  slave_.delay_answers(50ms);
+  slave_.forget_heard();
+  // By SDO since the running bit has come; then a fault while it is under way.
+  show(0);
+  const auto control = write({field("control_command", Raw{1})});
+  run(10ms);
+  emcy(0x0004, 0x01);
+  ASSERT_TRUE(finish(control, 200ms).has_value());
+  slave_.delay_answers(0ms);
+  slave_.forget_heard();
+  ASSERT_TRUE(write_now({field("frequency_command", 11.0), field("torque_command", 0.0)}).has_value());
+  EXPECT_TRUE(rpdos().empty()) << "the run command was given before the fault";
+}
+
+TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotKept) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(100ms);
+  const auto first = write({field("upper_limit", Raw{4000})});
+  const auto second =
+      write({field("control_command", Raw{1}), field("frequency_command", 10.0), field("torque_command", 0.0)});
+  run(20ms);
+  emcy(0x0004, 0x01);
+  ASSERT_TRUE(finish(first, 300ms).has_value());
+  ASSERT_TRUE(finish(second, 300ms).has_value());
+  slave_.delay_answers(0ms);
+  expect_setpoint_goes_alone();
+}
+
+}  // namespace
+}  // namespace process
