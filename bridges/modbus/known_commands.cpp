@@ -25,7 +25,7 @@ void KnownCommands::observe(const process::Drive& drive, canopen::TimePoint now)
       .fault = drive.has_fault_alarm() || is_set(drive.image(), drive_.faults.fault, now),
       .boot_ups = status.boot_ups,
   };
-  if ((seen_.operational && !next.operational) || (seen_.running && !next.running) || (!seen_.fault && next.fault) ||
+  if ((seen_.operational && !next.operational) || (seen_.running && !next.running) || seen_.fault != next.fault ||
       seen_.boot_ups != next.boot_ups) {
     std::ranges::fill(confirmed_, std::nullopt);
   }

@@ -1,45 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <new>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "tests/unit/modbus/site.h"
-
-namespace {
-
-// Counted while a test asks for it, on its own thread only.
-thread_local std::size_t allocations = 0;
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size)) {
-    return memory;
-  }
-  throw std::bad_alloc();
-}
-// Asio takes memory for coroutines and operations from here.
-extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
-  void* memory = nullptr;
-  return ::posix_memalign(&memory, alignment, size) == 0 ? memory : nullptr;
-}
-void* operator new(std::size_t size, const std::nothrow_t& /*quietly*/) noexcept {
-  ++allocations;
-  return std::malloc(size);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t /*size*/) noexcept {
-  std::free(memory);
-}
 
 namespace {
 
@@ -250,91 +216,6 @@ TEST(Connections, AClientThatDoesNotReadHoldsOnlyItself) {
   }
   EXPECT_GT(answered, 0U);
   EXPECT_EQ(site.ask(other, kUnit, "03 0064 0001"), "03 02 0000");
-}
-
-TEST(Connections, ReadsAreAnsweredWithoutAllocation) {
-  Site site;
-  site.bring_up();
-  TcpClient& client = site.client();
-  const Bytes request = frame(kUnit, "03 0000 000d");
-  std::vector<std::size_t> counts;
-  for (int i = 0; i < 20; ++i) {
-    send_all(client, request);
-    const std::size_t before = allocations;
-    site.settle();
-    counts.push_back(allocations - before);
-    EXPECT_EQ(site.answer(client).substr(0, 5), "03 1a");
-  }
-  // The first ones fill Asio's per-thread store.
-  for (std::size_t i = 5; i < counts.size(); ++i) {
-    EXPECT_EQ(counts[i], 0U) << i;
-  }
-  const std::size_t before = allocations;
-  EXPECT_EQ(site.ask(client, kUnit, "06 012c 0001"), "06 012c 0001");
-  EXPECT_GT(allocations, before);  // what counts does count
-}
-
-TEST(Listening, Ipv6AndBothAtOnce) {
-  config::Model model = example_model();
-  model.modbus->listen = {{"::1", 0}, {"127.0.0.1", 0}};
-  Site site(model);
-  TcpClient v6(site.server().port(0), "::1");
-  if (!v6.connected()) {
-    GTEST_SKIP() << "no IPv6 here";
-  }
-  EXPECT_EQ(site.ask(v6, kUnit, "03 0064 0001"), "03 02 0000");
-  EXPECT_EQ(site.ask(v6, kUnit, "06 012c 0001"), "86 0b");  // ::1 may write; the drive is not there
-  TcpClient v4(site.server().port(1));
-  EXPECT_EQ(site.ask(v4, kUnit, "03 0064 0001"), "03 02 0000");
-}
-
-TEST(Listening, AnyAddressOfBothKindsOnOnePort) {
-  config::Model model = example_model();
-  std::uint16_t free_port = 0;
-  {
-    Site site(model);
-    free_port = site.port();
-  }
-  model.modbus->listen = {{"0.0.0.0", free_port}, {"::", free_port}};
-  Site site(model);
-  TcpClient v4(free_port);
-  EXPECT_EQ(site.ask(v4, kUnit, "03 0064 0001"), "03 02 0000");
-  TcpClient v6(free_port, "::1");
-  EXPECT_EQ(site.ask(v6, kUnit, "03 0064 0001"), "03 02 0000");
-}
-
-TEST(Listening, ANameIsResolved) {
-  config::Model model = example_model();
-  model.modbus->listen = {{"localhost", 0}};
-  Site site(model);
-  EXPECT_NE(site.port(), 0);
-}
-
-std::string start_failure(Site& site, const config::Endpoint& endpoint) {
-  config::Modbus settings;
-  settings.listen = {endpoint};
-  modbus::Server server(site.loop().executor(), site.plant(), settings);
-  try {
-    server.start();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "started";
-}
-
-TEST(Listening, AFailureNamesPlaceCauseAndRemedy) {
-  Site site;
-  const std::string taken = start_failure(site, {"127.0.0.1", site.port()});
-  EXPECT_NE(taken.find("[modbus] listen: cannot listen on 127.0.0.1:" + std::to_string(site.port())), std::string::npos)
-      << taken;
-  EXPECT_NE(taken.find("in use"), std::string::npos) << taken;
-  EXPECT_NE(taken.find("another port"), std::string::npos) << taken;
-  const std::string foreign = start_failure(site, {"192.0.2.1", 0});
-  EXPECT_NE(foreign.find("192.0.2.1:0"), std::string::npos) << foreign;
-  EXPECT_NE(foreign.find("this machine must have the address"), std::string::npos) << foreign;
-  const std::string foreign_v6 = start_failure(site, {"2001:db8::1", 1502});
-  EXPECT_NE(foreign_v6.find("[2001:db8::1]:1502"), std::string::npos) << foreign_v6;
-  EXPECT_NE(start_failure(site, {"no-such-host.invalid", 1502}).find("no-such-host.invalid:1502"), std::string::npos);
 }
 
 TEST(Stopping, EndsConnectionsAndListeners) {

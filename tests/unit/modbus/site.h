@@ -52,6 +52,8 @@ inline constexpr canopen::ObjectAddress kValveObject{0x3000, 7};
 
 /// One drive `pump1`, node and unit 5, with a signal of every kind, on loopback and any free port.
 [[nodiscard]] config::Model example_model();
+/// What SDO finds in that drive.
+void fill_dictionary(Puppet& puppet);
 
 /// A plant with one puppet drive and a Modbus server, time moved by hand.
 class Site {

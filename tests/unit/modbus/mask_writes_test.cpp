@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+#include "tests/unit/modbus/site.h"
+
+namespace {
+
+using modbus_test::Puppet;
+using modbus_test::Site;
+using std::chrono::milliseconds;
+
+class MaskWrites : public testing::Test {
+ protected:
+  MaskWrites() {
+    site_.bring_up();
+    puppet().written.clear();
+  }
+  Puppet& puppet() { return site_.puppet(); }
+  std::string ask(std::string_view pdu) { return site_.ask(pdu); }
+
+  Site site_;
+};
+
+TEST_F(MaskWrites, AMaskBuildsOnlyOnBitsThatSomebodyCommanded) {
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "96 03");  // nobody commanded the other bits
+  EXPECT_TRUE(puppet().written.empty());
+  EXPECT_TRUE(puppet().rpdos.empty());
+  EXPECT_EQ(ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "16 0064 fff0 0003");
+  ASSERT_EQ(puppet().rpdos.size(), 2U);
+  EXPECT_EQ(puppet().rpdos[1].data[0], 0x53);
+  EXPECT_EQ(ask("03 0064 0001"), "03 02 0053");
+}
+
+TEST_F(MaskWrites, AMaskThatNamesEveryBitNeedsNoOther) {
+  EXPECT_EQ(ask("16 012c 0000 1234"), "16 012c 0000 1234");
+  ASSERT_EQ(puppet().written.size(), 1U);
+  EXPECT_EQ(puppet().written[0].raw, 0x1234U);
+}
+
+TEST_F(MaskWrites, AMaskBuildsOnNoMomentaryValue) {
+  EXPECT_EQ(ask("10 0064 0002 04 0080 0000"), "10 0064 0002");
+  EXPECT_EQ(ask("16 0064 fffe 0001"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskCarriesNoCommandFromBeforeAStop) {
+  EXPECT_EQ(ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
+  site_.send_values(0x0001, 0, 0);
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "16 0064 fff0 0003");
+  site_.send_values(0x0000, 0, 0);
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskCarriesNoCommandFromBeforeAFault) {
+  EXPECT_EQ(ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
+  site_.send_values(0x0008, 0, 0);
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskCarriesNoCommandFromDuringAFault) {
+  site_.send_values(0x0008, 0, 0);
+  EXPECT_EQ(ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "16 0064 fff0 0003");
+  for (int i = 0; i < 10; ++i) {
+    site_.run_without_values(milliseconds(100));
+    site_.send_values(0, 0, 0);
+  }
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskCarriesNoCommandFromBeforeABoot) {
+  EXPECT_EQ(ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
+  site_.bring_up();
+  EXPECT_EQ(ask("16 0064 fff0 0003"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskOfAReadableRegisterBuildsOnTheNewestKnowledge) {
+  site_.run(milliseconds(1500));
+  EXPECT_EQ(ask("16 0134 00ff 0100"), "16 0134 00ff 0100");  // the drive said 7
+  ASSERT_EQ(puppet().written.size(), 1U);
+  EXPECT_EQ(puppet().written[0].raw, 0x0107U);
+  EXPECT_EQ(ask("16 0134 ff00 0008"), "16 0134 ff00 0008");  // before the next poll
+  ASSERT_EQ(puppet().written.size(), 2U);
+  EXPECT_EQ(puppet().written[1].raw, 0x0108U);
+}
+
+TEST(MaskWritesToAnAbsentDrive, AMaskOfAReadableRegisterHasNothingToBuildOn) {
+  Site site;
+  EXPECT_EQ(site.ask("16 0134 00ff 0100"), "96 0b");
+}
+
+}  // namespace
