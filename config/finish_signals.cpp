@@ -76,6 +76,7 @@ void finish_signals(DriveDraft& draft) {
   }
   FaultRules& faults = draft.drive.faults;
   faults.running = boolean_of(draft, "running");
+  faults.quick_stop = boolean_of(draft, "quick_stop_active");
   faults.fault = boolean_of(draft, "fault");
   faults.warning = boolean_of(draft, "warning");
   const auto code = draft.drive.find("fault_code");

@@ -110,6 +110,7 @@ struct FaultRules {
   std::optional<std::size_t> warning;              ///< Likewise a warning.
   std::optional<std::size_t> fault_code;           ///< The word that names the newest fault.
   std::optional<std::size_t> running;              ///< The boolean that tells a turning motor.
+  std::optional<std::size_t> quick_stop;           ///< The boolean that tells a quick stop: it may brake or stand.
   bool has_error_register = true;                  ///< 0x1001 is read after boot; an absent one decides nothing.
   bool has_error_field = true;                     ///< 0x1003 likewise, for names only.
   friend bool operator==(const FaultRules&, const FaultRules&) = default;

@@ -75,7 +75,7 @@ void Connections::start() {
   }
 }
 
-awaitable<void> Connections::stop() {
+void Connections::close() {
   stopping_ = true;
   for (Listener& listener : listeners_) {
     error_code ignored;
@@ -86,6 +86,10 @@ awaitable<void> Connections::stop() {
     client.close();
   }
   idle_.cancel();
+}
+
+awaitable<void> Connections::stop() {
+  close();
   while (running_ != 0) {
     error_code ignored;
     all_ended_.expires_at(canopen::TimePoint::max());

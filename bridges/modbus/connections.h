@@ -24,6 +24,8 @@ class Connections {
 
   /// Throws std::runtime_error; then nothing was started.
   void start();
+  /// Ends listeners and connections; nothing more is asked of a drive.
+  void close();
   boost::asio::awaitable<void> stop();
 
   [[nodiscard]] std::uint16_t port(std::size_t listen_index) const;

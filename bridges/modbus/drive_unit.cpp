@@ -51,6 +51,12 @@ void DriveUnit::on_commanded(std::span<const process::SignalId> signals) {
   }
 }
 
+void DriveUnit::on_outcome_unknown(std::span<const process::SignalId> signals) {
+  for (const process::SignalId signal : signals) {
+    known_commands_.forget(signal);
+  }
+}
+
 void DriveUnit::on_change() {
   known_commands_.observe(drive(), canopen::Clock::now());
 }
@@ -207,19 +213,9 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint1
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_fields(std::vector<process::FieldWrite> fields,
                                                                          process::Writer writer) {
-  std::vector<process::SignalId> signals;
-  signals.reserve(fields.size());
-  for (const process::FieldWrite& field : fields) {
-    signals.push_back(field.signal);
-  }
   const process::Outcome outcome = co_await drive().write(std::move(writer), std::move(fields));
   if (outcome.has_value()) {
     co_return std::nullopt;
-  }
-  if (outcome.error().outcome_unknown) {
-    for (const process::SignalId signal : signals) {
-      known_commands_.forget(signal);
-    }
   }
   co_return exception_of(outcome.error());
 }

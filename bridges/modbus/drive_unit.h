@@ -26,6 +26,8 @@ class DriveUnit {
 
   void on_values(std::span<const process::SignalId> signals);
   void on_commanded(std::span<const process::SignalId> signals);
+  /// By whichever way the command came.
+  void on_outcome_unknown(std::span<const process::SignalId> signals);
   /// Status, alarms or freshness changed.
   void on_change();
 

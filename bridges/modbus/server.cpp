@@ -25,6 +25,10 @@ void Server::start() {
   body_->connections.start();
 }
 
+void Server::close() {
+  body_->connections.close();
+}
+
 boost::asio::awaitable<void> Server::stop() {
   co_await body_->connections.stop();
 }
@@ -61,6 +65,12 @@ void Server::on_freshness(const process::Drive& drive, std::span<const process::
 void Server::on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) {
   if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
     unit->on_commanded(signals);
+  }
+}
+
+void Server::on_outcome_unknown(const process::Drive& drive, std::span<const process::SignalId> signals) {
+  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
+    unit->on_outcome_unknown(signals);
   }
 }
 

@@ -28,8 +28,10 @@ class Server final : public process::Observer {
   /// Opens all listeners. Throws std::runtime_error that names the endpoint, the cause and the remedy; then nothing
   /// was started.
   void start();
-  /// Ends listeners and connections. Returns when no command of a client is in progress any more, at the latest after
-  /// the longest deadline of a command.
+  /// Ends listeners and connections.
+  void close();
+  /// The same; returns when no command of a client is in progress any more, at the latest after the longest deadline of
+  /// a command, or soon after the plant was stopped.
   boost::asio::awaitable<void> stop();
 
   /// The port that config::Modbus::listen[listen_index] got, where the configuration says 0. 0 before start().
@@ -45,6 +47,7 @@ class Server final : public process::Observer {
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_outcome_unknown(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;

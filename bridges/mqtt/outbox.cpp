@@ -7,9 +7,8 @@ namespace mqtt {
 
 void Outbox::push(Message message) {
   std::size_t& count = count_of(message.kind);
-  const bool full = count >= limit_;
   if (message.kind == MessageKind::answer) {
-    if (full) {
+    if (count >= limit_) {
       drop_oldest_answer();
     }
     ++count;
@@ -18,11 +17,15 @@ void Outbox::push(Message message) {
   }
   const auto known = newest_.find(message.topic);
   if (known != newest_.end()) {
-    if (held_ || full) {
-      known->second->payload = std::move(message.payload);
+    const Queue::iterator older = known->second;
+    if (!held_ && count >= limit_) {
+      older->payload = std::move(message.payload);
       return;
     }
     newest_.erase(known);  // its key belongs to the older message
+    if (held_) {
+      erase(older);
+    }
   }
   ++count;
   queue_.push_back(std::move(message));

@@ -11,10 +11,11 @@
 
 namespace mqtt {
 
-/// Messages that wait for the broker: first in, first out up to `limit`; then, and while held, only the newest per
-/// topic in the place of the one before, so that no topic starves. Values and alarms have a limit of their own each, so
-/// that no flood of values costs an alarm. Answers are each kept; of more than `limit` the oldest is lost. Never holds
-/// more than 3 · limit messages plus one per topic. Not thread-safe.
+/// Messages that wait for the broker: first in, first out up to `limit`; then only the newest per topic in the place of
+/// the one before, so that no topic starves. While held too there is one per topic, but in the order in which they came
+/// last: what was announced before a connection broke and is announced again keeps its order. Values and alarms have a
+/// limit of their own each, so that no flood of values costs an alarm. Answers are each kept; of more than `limit` the
+/// oldest is lost. Never holds more than 3 · limit messages plus one per topic. Not thread-safe.
 class Outbox {
  public:
   explicit Outbox(std::size_t limit) : limit_(limit) {}

@@ -169,6 +169,10 @@ Result<void> Requests::begin(const Incoming& incoming, const Command& command) {
   if (command.parsed.members.has_error()) {
     return command.parsed.members.error();
   }
+  // Before the command is noted as seen: it may come again with the same id.
+  if (under_way_->by_drive.at(command.drive->index()) >= kMaxUnderWay) {
+    return Error{.kind = ErrorKind::timeout, .detail = "too many commands under way; this one was not carried out"};
+  }
   switch (command.route.kind) {
     case Route::Kind::nmt:
       return begin_nmt(incoming, command);
@@ -202,7 +206,7 @@ Result<void> Requests::begin_set(const Incoming& incoming, const Command& comman
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    return spawn(*command.drive, write_fields(under_way_, *command.drive, std::move(fields.value()), command.to));
+    spawn(*command.drive, write_fields(under_way_, *command.drive, std::move(fields.value()), command.to));
   }
   return checked;
 }
@@ -214,7 +218,7 @@ Result<void> Requests::begin_nmt(const Incoming& incoming, const Command& comman
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    return spawn(*command.drive, send_nmt(under_way_, *command.drive, nmt.value(), command.to));
+    spawn(*command.drive, send_nmt(under_way_, *command.drive, nmt.value(), command.to));
   }
   return checked;
 }
@@ -225,20 +229,18 @@ Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& comman
     return request.error();
   }
   if (!request.value().value) {  // a read changes nothing and is never a repetition
-    return spawn(*command.drive, read_object(under_way_, *command.drive, request.value(), command.to));
+    spawn(*command.drive, read_object(under_way_, *command.drive, request.value(), command.to));
+    return {};
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    return spawn(*command.drive, write_object(under_way_, *command.drive, request.value(), command.to));
+    spawn(*command.drive, write_object(under_way_, *command.drive, request.value(), command.to));
   }
   return checked;
 }
 
-Result<void> Requests::spawn(const process::Drive& drive, boost::asio::awaitable<void> work) {
+void Requests::spawn(const process::Drive& drive, boost::asio::awaitable<void> work) {
   const std::size_t index = drive.index();
-  if (under_way_->by_drive.at(index) >= kMaxUnderWay) {
-    return Error{.kind = ErrorKind::timeout, .detail = "too many commands under way; this one was not carried out"};
-  }
   ++under_way_->by_drive.at(index);
   ++under_way_->total;
   boost::asio::co_spawn(executor_, std::move(work), [under_way = under_way_, index](std::exception_ptr failure) {
@@ -247,7 +249,6 @@ Result<void> Requests::spawn(const process::Drive& drive, boost::asio::awaitable
       std::rethrow_exception(failure);
     }
   });
-  return {};
 }
 
 process::Drive* Requests::find_drive(std::string_view name) {

@@ -44,9 +44,7 @@ awaitable<Outcome> CommandSender::send_rpdo(WriteStep step, std::uint32_t knowle
   if (outcome.has_error()) {
     co_return outcome;
   }
-  if (knowledge != knowledge_) {
-    node_.void_rpdos(true);
-  }
+  make_void_again(knowledge);
   for (const Field& field : step.fields) {
     const config::Signal& signal = model_.signals[field.signal];
     if (config::is_momentary(signal, field.raw)) {
@@ -58,6 +56,7 @@ awaitable<Outcome> CommandSender::send_rpdo(WriteStep step, std::uint32_t knowle
 
 awaitable<Outcome> CommandSender::send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline) {
   const config::Signal& signal = model_.signals[field.signal];
+  node_.hold_repetition(signal.object);
   Outcome outcome = co_await node_.write(signal.object, signal.type, field.raw, deadline);
   if (outcome.has_error()) {
     if (!left_unchanged(outcome.error())) {
@@ -71,15 +70,26 @@ awaitable<Outcome> CommandSender::send_sdo(Field field, std::uint32_t knowledge,
   }
   // Also where it will not count: an RPDO that is being repeated must not undo it.
   node_.note_commanded(object_value(model_, field));
-  if (knowledge != knowledge_) {
-    node_.void_rpdos(true);
-  }
+  make_void_again(knowledge);
   co_return outcome;
 }
 
 void CommandSender::make_void(bool keep_repeating) {
   ++knowledge_;
+  if (!keep_repeating) {
+    silenced_ = knowledge_;
+  }
   node_.void_rpdos(keep_repeating);
+}
+
+void CommandSender::make_void_again(std::uint32_t knowledge) {
+  if (knowledge == knowledge_) {
+    return;
+  }
+  // After a fault a run command of before must not go on being repeated: it would start the motor once the fault is
+  // reset at the drive.
+  const bool silenced_since = silenced_ > knowledge;
+  node_.void_rpdos(!silenced_since);
 }
 
 /// Where an object can be commanded by its RPDO only, the abort alone would not tell what to do.

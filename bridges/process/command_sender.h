@@ -35,11 +35,14 @@ class CommandSender {
  private:
   boost::asio::awaitable<Outcome> send_rpdo(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline);
   boost::asio::awaitable<Outcome> send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline);
+  /// What made earlier commands void since `knowledge` makes this one, which left after it, void too.
+  void make_void_again(std::uint32_t knowledge);
   [[nodiscard]] canopen::Error explain(canopen::Error error, canopen::ObjectAddress object) const;
 
   const config::Drive& model_;
   canopen::RemoteNode& node_;
   std::uint32_t knowledge_ = 0;
+  std::uint32_t silenced_ = 0;  ///< knowledge_ when RPDOs last had to fall silent, too.
 };
 
 }  // namespace process

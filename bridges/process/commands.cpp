@@ -25,11 +25,12 @@ Error with_written(Error error, const std::string& written) {
 }  // namespace
 
 Commands::Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node,
-                   Image& image, Confirmed confirmed)
+                   Image& image, Told confirmed, Told unknown)
     : model_(model),
       node_(node),
       image_(image),
       confirmed_(std::move(confirmed)),
+      unknown_(std::move(unknown)),
       queue_(std::move(executor)),
       sender_(model, node) {}
 
@@ -171,6 +172,10 @@ std::optional<Error> Commands::refuse_nmt(canopen::NmtCommand command) const {
   if (image_.raw(static_cast<SignalId>(*model_.faults.running)) != 0) {
     return error(ErrorKind::forbidden, "the motor runs; nmt_while_running would allow it");
   }
+  const auto& quick_stop = model_.faults.quick_stop;
+  if (quick_stop && image_.raw(static_cast<SignalId>(*quick_stop)) != 0) {
+    return error(ErrorKind::forbidden, "the motor may still brake in its quick stop; nmt_while_running would allow it");
+  }
   return std::nullopt;
 }
 
@@ -196,6 +201,9 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
     const WriteStep step = next_step(model_, node_, remaining, allow_rpdo);
     Outcome outcome = co_await sender_.send(step, arrival.knowledge, arrival.deadline);
     const bool withdrawn = step.rpdo != 0 && outcome.has_error() && outcome.error().kind == ErrorKind::incomplete;
+    if (outcome.has_error() && outcome.error().outcome_unknown) {
+      unknown_(signals_of(step));
+    }
     if (outcome.has_value()) {
       confirm(step);
       for (const Field& field : step.fields) {
@@ -217,13 +225,19 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
 }
 
 void Commands::confirm(const WriteStep& step) {
-  std::vector<SignalId> signals;
   for (const Field& field : step.fields) {
     image_.commanded_[field.signal] = field.raw;
+  }
+  confirmed_(signals_of(step));
+}
+
+std::vector<SignalId> Commands::signals_of(const WriteStep& step) {
+  std::vector<SignalId> signals;
+  for (const Field& field : step.fields) {
     signals.push_back(field.signal);
   }
   std::sort(signals.begin(), signals.end());
-  confirmed_(signals);
+  return signals;
 }
 
 bool Commands::running_is_fresh() const {
@@ -232,6 +246,9 @@ bool Commands::running_is_fresh() const {
 }
 
 std::optional<Error> Commands::refuse_new_session(Arrival arrival) const {
+  if (queue_.closed()) {
+    return no_turn();
+  }
   if (session_ == arrival.session) {
     return std::nullopt;
   }

@@ -33,11 +33,13 @@ namespace process {
 /// deadline has passed since the arrival. Nothing is stored for later and nothing sent twice.
 class Commands {
  public:
-  using Confirmed = std::function<void(std::span<const SignalId>)>;
+  /// Told of signals, in order of position.
+  using Told = std::function<void(std::span<const SignalId>)>;
 
-  /// `model`, `node` and `image` outlive it. `confirmed` is told which signals have a new commanded value.
+  /// `model`, `node` and `image` outlive it. `confirmed` is told which signals have a new commanded value, `unknown`
+  /// of which nobody knows any more what was commanded last.
   Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node, Image& image,
-           Confirmed confirmed);
+           Told confirmed, Told unknown);
 
   boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields);
   boost::asio::awaitable<Outcome> nmt(Writer writer, canopen::NmtCommand command);
@@ -46,7 +48,8 @@ class Commands {
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();
-  /// A fault came or went: what was commanded before is not to be sent again by a set-point.
+  /// A fault came or went, or a quick stop began: what was commanded before is neither to be sent again by a set-point
+  /// nor repeated.
   void on_fault();
   /// The motor came to a stop, or nobody can tell any more whether it turns: likewise.
   void on_standstill();
@@ -74,12 +77,14 @@ class Commands {
   boost::asio::awaitable<std::optional<canopen::Error>> await_turn(const CommandQueue::Ticket& ticket, Arrival arrival);
   boost::asio::awaitable<Outcome> carry_out(std::vector<Field> fields, Arrival arrival);
   void confirm(const WriteStep& step);
+  [[nodiscard]] static std::vector<SignalId> signals_of(const WriteStep& step);
   [[nodiscard]] bool running_is_fresh() const;
 
   const config::Drive& model_;
   canopen::RemoteNode& node_;
   Image& image_;
-  Confirmed confirmed_;
+  Told confirmed_;
+  Told unknown_;
   CommandQueue queue_;
   CommandSender sender_;
   bool live_ = false;

@@ -18,6 +18,10 @@ void Drive::start() {
   body_->start();
 }
 
+void Drive::close() {
+  body_->commands().close();
+}
+
 awaitable<void> Drive::stop() {
   return body_->stop();
 }

@@ -32,6 +32,8 @@ class Drive {
   Drive& operator=(const Drive&) = delete;
 
   void start();
+  /// Commands that have not begun, and all that come from now on, are answered `offline`.
+  void close();
   /// Pending commands are answered `offline`. Sends nothing to the drive.
   boost::asio::awaitable<void> stop();
 

@@ -21,6 +21,9 @@ Drive::Body::Body(const boost::asio::any_io_executor& executor, const config::Dr
       commands_(executor, model, node_, image_,
                 [this](std::span<const SignalId> signals) {
                   tell([&](Observer& observer) { observer.on_commanded(drive_, signals); });
+                },
+                [this](std::span<const SignalId> signals) {
+                  tell([&](Observer& observer) { observer.on_outcome_unknown(drive_, signals); });
                 }),
       reader_(executor, model, node_, inputs_, alarms_),
       expiry_(executor,
@@ -31,6 +34,7 @@ Drive::Body::Body(const boost::asio::any_io_executor& executor, const config::Dr
       fault_(indicator(model.faults.fault)),
       warning_(indicator(model.faults.warning)),
       running_(indicator(model.faults.running)),
+      quick_stop_(indicator(model.faults.quick_stop)),
       fault_code_(indicator(model.faults.fault_code)) {}
 
 template <class Tell>
@@ -71,6 +75,7 @@ void Drive::Body::on_status(const canopen::NodeStatus& status) {
   alarms_.on_status(status, canopen::wall_now());
   if (std::exchange(was_online_, status.online) != status.online) {
     had_fault_ = false;
+    had_quick_stop_ = false;
     if (status.online) {
       reader_.check_errors();
     } else {
@@ -92,7 +97,6 @@ void Drive::Body::on_arrival(canopen::Arrival /*arrival*/) {}
 void Drive::Body::on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, canopen::TimePoint at,
                           canopen::WallTime wall) {
   inputs_.on_tpdo(number, values, at, wall);
-  arm_expiry();
 }
 
 void Drive::Body::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) {
@@ -124,6 +128,7 @@ void Drive::Body::on_values(SourceId source) {
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_values(drive_, signals); });
   tell_alarms(source);
+  arm_expiry();
 }
 
 void Drive::Body::on_stale(SourceId source) {
@@ -151,6 +156,13 @@ void Drive::Body::void_commands(SourceId source) {
     const bool running = image_.raw(running_->signal) != 0;
     if (std::exchange(was_running_, running) && !running) {
       commands_.on_standstill();
+    }
+  }
+  if (is_from(quick_stop_, source)) {
+    const bool quick_stop = image_.raw(quick_stop_->signal) != 0;
+    if (!std::exchange(had_quick_stop_, quick_stop) && quick_stop) {
+      // Repeating "enable operation" would end it (CiA 402, transition 16).
+      commands_.on_fault();
     }
   }
   if (is_from(fault_, source)) {

@@ -91,9 +91,11 @@ class Drive::Body final : private canopen::NodeEvents, private Inputs::Listener 
   std::optional<Indicator> fault_;
   std::optional<Indicator> warning_;
   std::optional<Indicator> running_;
+  std::optional<Indicator> quick_stop_;
   std::optional<Indicator> fault_code_;
   bool was_running_ = false;
   bool had_fault_ = false;
+  bool had_quick_stop_ = false;
   bool was_online_ = false;
 };
 

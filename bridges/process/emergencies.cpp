@@ -56,6 +56,7 @@ void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
     same->error.severity = named.severity;
     same->origin = Origin::emcy;
     same->drive_code = emcy.drive_code;
+    same->tabled = named.severity;
     same->seen_set = false;
     same->clear_since.reset();
     return;
@@ -69,7 +70,8 @@ void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
   });
   entries_.push_back({.error = {emcy.code, emcy.vendor, std::move(named.text), named.severity, since},
                       .origin = Origin::emcy,
-                      .drive_code = emcy.drive_code});
+                      .drive_code = emcy.drive_code,
+                      .tabled = named.severity});
   keep_few();
 }
 
@@ -108,6 +110,10 @@ bool Emergencies::on_bit_set(Severity severity, Duration period, TimePoint at, W
   if (has(severity)) {
     return !std::exchange(evidence_, true);
   }
+  if (adopt(severity)) {
+    evidence_ = true;
+    return true;
+  }
   if (state.reset_at && at - *state.reset_at < kBelievedPeriods * period) {
     return false;
   }
@@ -129,6 +135,22 @@ bool Emergencies::on_bit_clear(Severity severity, Duration period, TimePoint at)
   return removed > 0;
 }
 
+// A sample from before the fault bit followed may have made a fault a warning: then it goes back.
+bool Emergencies::adopt(Severity severity) {
+  const Bit& other = bit(severity == Severity::fault ? Severity::warning : Severity::fault);
+  const bool alone = other.known && !other.set;
+  bool any = false;
+  for (Entry& entry : entries_) {
+    if (entry.origin == Origin::emcy && ((alone && !entry.seen_set) || entry.tabled == severity)) {
+      entry.error.severity = severity;
+      entry.seen_set = true;
+      entry.clear_since.reset();
+      any = true;
+    }
+  }
+  return any;
+}
+
 void Emergencies::raise_from_bit(Severity severity, WallTime wall) {
   const std::uint64_t code = code_for(severity);
   entries_.push_back({.error = {short_code(code),
@@ -147,7 +169,9 @@ std::uint64_t Emergencies::code_for(Severity severity) const noexcept {
   }
   // The code of a fault must not name a warning beside it.
   const auto known = model_.faults.drive_texts.find(fault_code_);
-  const bool names_fault = known != model_.faults.drive_texts.end() && known->second.severity == Severity::fault;
+  const bool no_fault = bit(Severity::fault).known && !bit(Severity::fault).set;
+  const bool names_fault =
+      !no_fault && known != model_.faults.drive_texts.end() && known->second.severity == Severity::fault;
   const bool taken = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.error.severity == Severity::fault && names(entry, fault_code_);
   });

@@ -68,6 +68,12 @@ void Plant::start() {
   }
 }
 
+void Plant::close() {
+  for (const auto& drive : body_->drives) {
+    drive->close();
+  }
+}
+
 boost::asio::awaitable<void> Plant::stop() {
   for (const auto& drive : body_->drives) {
     co_await drive->stop();

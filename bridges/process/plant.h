@@ -31,6 +31,8 @@ class Plant {
   /// Before start(); observers outlive the plant or its stop().
   void add(Observer& observer);
   void start();
+  /// Commands that have not begun, and all that come from now on, are answered `offline`.
+  void close();
   boost::asio::awaitable<void> stop();
 
   [[nodiscard]] const config::Model& model() const noexcept;

@@ -13,6 +13,8 @@ namespace {
 
 /// Pause before a drive that did not answer is asked for its errors again.
 constexpr canopen::Duration kCheckAgain = std::chrono::seconds(5);
+/// Checks are no more frequent, however often frames are lost: polls have their turn between.
+constexpr canopen::Duration kCheckPause = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -45,12 +47,13 @@ boost::asio::awaitable<void> Reader::stop() {
 }
 
 void Reader::check_errors() {
-  check_at_ = canopen::Clock::now();
+  check_at_ = std::max(canopen::Clock::now(), not_before_);
   changed_.notify();
 }
 
 void Reader::forget_errors() {
   check_at_ = canopen::TimePoint::max();
+  not_before_ = canopen::TimePoint::min();
 }
 
 boost::asio::awaitable<void> Reader::run() {
@@ -68,6 +71,7 @@ boost::asio::awaitable<void> Reader::run() {
 
 boost::asio::awaitable<void> Reader::read_errors() {
   check_at_ = canopen::TimePoint::max();
+  not_before_ = canopen::Clock::now() + kCheckPause;
   const std::uint32_t emergencies = alarms_.emergencies().received();
   const ErrorCheck check = co_await process::check_errors(model_, node_);
   if (stopping_ || !node_.status().online) {

@@ -46,6 +46,7 @@ class Reader {
   Alarms& alarms_;
   canopen::Event changed_;
   canopen::TimePoint check_at_ = canopen::TimePoint::max();
+  canopen::TimePoint not_before_ = canopen::TimePoint::min();  ///< Of the next check for errors.
   bool running_ = false;
   bool stopping_ = false;
 };

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "tests/support/spawn.h"
 #include "tests/unit/modbus/site.h"
 
 namespace {
@@ -75,6 +76,21 @@ TEST_F(MaskWrites, AMaskCarriesNoCommandFromBeforeABoot) {
   EXPECT_EQ(ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
   site_.bring_up();
   EXPECT_EQ(ask("16 0064 fff0 0003"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskBuildsOnNothingAfterACommandOfAnotherWriterOfUnknownOutcome) {
+  EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
+  process::Drive& drive = site_.plant().drive(0);
+  puppet().mute = true;
+  const auto outcome = support::spawn(
+      site_.loop().executor(),
+      drive.write({process::Writer::Way::modbus, "10.0.0.9"},
+                  {{static_cast<process::SignalId>(*drive.model().find("acceleration")), canopen::Raw{1}}}));
+  site_.loop().advance(milliseconds(900));
+  ASSERT_TRUE(outcome.done());
+  ASSERT_TRUE(outcome.get().error().outcome_unknown) << canopen::to_string(outcome.get().error());
+  puppet().mute = false;
+  EXPECT_EQ(ask("16 012c ff00 0008"), "96 03");
 }
 
 TEST_F(MaskWrites, AMaskOfAReadableRegisterBuildsOnTheNewestKnowledge) {

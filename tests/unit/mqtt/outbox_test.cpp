@@ -98,6 +98,19 @@ TEST(Outbox, WhileHeldKeepsTheNewestPerTopicAndEveryAnswer) {
   EXPECT_EQ(drain(outbox), (Texts{"a=4", "a=5"}));
 }
 
+TEST(Outbox, WhatIsAnnouncedAgainKeepsItsNewOrder) {
+  Outbox outbox(10);
+  outbox.push(value("info", "1"));
+  outbox.push(value("drive", "on"));
+  outbox.push(value("status", "online"));
+  EXPECT_EQ(outbox.pop()->topic, "info");  // then the connection breaks
+  outbox.hold(true);
+  outbox.push(value("info", "2"));
+  outbox.push(value("drive", "off"));
+  outbox.push(value("status", "online"));
+  EXPECT_EQ(drain(outbox), (Texts{"info=2", "drive=off", "status=online"})) << "the gateway's status comes last";
+}
+
 TEST(Outbox, AnAnswerThatWasUnderWayGoesFirst) {
   Outbox outbox(2);
   outbox.push(answer("2"));

@@ -65,6 +65,22 @@ TEST_F(MqttRequests, RefusalsNameTheirCodeAndChangeNothing) {
   EXPECT_EQ(commands_sent(), 0U);
 }
 
+TEST_F(MqttRequests, OneThatWasOneTooManyMayComeAgain) {
+  const auto command = [](std::size_t i) {
+    return R"({"frequency_command":)" + std::to_string(i % 50) + R"(,"id":"n)" + std::to_string(i) + "\"}";
+  };
+  site_.puppet().mute = true;
+  site_.broker().forget();
+  for (std::size_t i = 0; i <= Requests::kMaxUnderWay; ++i) {
+    site_.command("pump1/set", command(i));
+  }
+  EXPECT_NE(site_.last_answer().find("too many commands under way"), std::string::npos) << site_.last_answer();
+  site_.loop().advance(900ms);
+  site_.puppet().mute = false;
+  EXPECT_NE(code_of(ask("pump1/set", command(Requests::kMaxUnderWay))), "duplicate");
+  EXPECT_EQ(code_of(ask("pump1/set", command(0))), "duplicate");
+}
+
 TEST_F(MqttRequests, AnAbortIsNamed) {
   site_.puppet().refuse_writes[{0x2031, 0}] = 0x08000022;
   const std::string answer = ask("pump1/mode/set", "torque");

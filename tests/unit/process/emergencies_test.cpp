@@ -258,5 +258,51 @@ TEST_F(AlarmsTest, WarningsMakeRoomBeforeFaults) {
   EXPECT_EQ(emcy_alarm().code, 0x0004);
 }
 
+// The makers' manuals do not say which code is a fault: the table's severity is a guess, the drive's bits are not.
+TEST_F(AlarmsTest, TheBitsDecideWhetherAnEmergencyIsAFault) {
+  come_online();
+  fault(false);
+  warning(false);
+  emcy(0x0004);
+  EXPECT_EQ(emcy_alarm().severity, Severity::fault);
+  pass(100ms);
+  fault(false);
+  warning(true);
+  EXPECT_EQ(codes(), (Codes{4}));
+  EXPECT_EQ(emcy_alarm().severity, Severity::warning);
+  EXPECT_EQ(emcy_alarm().text, "Overcurrent during acceleration");
+  for (int i = 0; i < 5; ++i) {
+    pass(100ms);
+    fault(false);
+    warning(true);
+  }
+  EXPECT_EQ(codes(), (Codes{4})) << "as long as its bit is set";
+  warning(false);
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, AFaultWhoseBitComesAfterTheWarningBitKeepsItsName) {
+  come_online();
+  emcy(0x0004);
+  fault(false);
+  warning(true);
+  const std::string id = emcy_alarm().id;
+  pass(100ms);
+  fault(true);
+  warning(false);
+  EXPECT_EQ(codes(), (Codes{4}));
+  EXPECT_EQ(emcy_alarm().severity, Severity::fault);
+  EXPECT_EQ(emcy_alarm().id, id);
+}
+
+TEST_F(AlarmsTest, AWarningBitAloneIsNamedByTheFaultCode) {
+  come_online();
+  alarms_->on_fault_code(0x0005, wall_);
+  fault(false);
+  warning(true);
+  EXPECT_EQ(codes(), (Codes{5}));
+  EXPECT_EQ(emcy_alarm().severity, Severity::warning);
+}
+
 }  // namespace
 }  // namespace process

@@ -10,6 +10,8 @@
 namespace process {
 namespace {
 
+constexpr canopen::Raw kQuickStopBit = 0x80;
+
 using namespace std::chrono_literals;
 
 TEST_F(CommandsTest, SetPointRidesOnTheRpdoWhileTheMotorRuns) {
@@ -212,6 +214,77 @@ TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotKept) {
   ASSERT_TRUE(finish(second, 300ms).has_value());
   slave_.delay_answers(0ms);
   expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotRepeated) {
+  // The drive supervises this RPDO, so it is repeated.
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(100ms);
+  const auto first = write({field("upper_limit", Raw{4000})});
+  const auto second =
+      write({field("control_command", Raw{1}), field("frequency_command", 10.0), field("torque_command", 0.0)});
+  run(20ms);
+  emcy(0x0004, 0x01);
+  ASSERT_TRUE(finish(first, 300ms).has_value());
+  ASSERT_TRUE(finish(second, 300ms).has_value());
+  ASSERT_EQ(rpdos().size(), 1U);
+  run(2s);
+  EXPECT_EQ(rpdos().size(), 1U) << "it would start the motor once the fault is reset at the drive";
+}
+
+TEST_F(CommandsTest, RepetitionDoesNotBringBackWhatAnSdoWriteIsJustChanging) {
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online();
+  run_motor();
+  show(0);  // Standstill: nothing is known, but the RPDO goes on.
+  show(test::kRunningBit);
+  slave_.forget_heard();
+  run(150ms);
+  ASSERT_FALSE(rpdos().empty());
+  slave_.delay_answers(150ms);
+  slave_.forget_heard();
+  const auto stop_command = write({field("control_command", Raw{5})});
+  run(140ms);
+  EXPECT_TRUE(rpdos().empty()) << "still with the run command";
+  ASSERT_TRUE(finish(stop_command, 200ms).has_value());
+  slave_.forget_heard();
+  run(250ms);
+  ASSERT_FALSE(rpdos().empty());
+  EXPECT_EQ(rpdos().front()[0], 5);
+}
+
+TEST_F(CommandsTest, QuickStopMakesEarlierCommandsVoidAndEndsTheirRepetition) {
+  model_.signals.push_back(test::bit("quick_stop_active", 0, kQuickStopBit));
+  model_.faults.quick_stop = model_.find("quick_stop_active");
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online();
+  run_motor();
+  show(kQuickStopBit);
+  slave_.forget_heard();
+  run(2s);
+  EXPECT_TRUE(rpdos().empty()) << "repeating the run command would end the quick stop";
+  expect_setpoint_goes_alone();
+}
+
+TEST_F(CommandsTest, WhileItMayBrakeInAQuickStopADriveIsNotStopped) {
+  model_.signals.push_back(test::bit("quick_stop_active", 0, kQuickStopBit));
+  model_.faults.quick_stop = model_.find("quick_stop_active");
+  bring_online();
+  show(kQuickStopBit);
+  expect_refused(nmt_now(NmtCommand::reset_node), ErrorKind::forbidden);
+  show(0);
+  EXPECT_TRUE(nmt_now(NmtCommand::stop).has_value());
+}
+
+TEST_F(CommandsTest, TellsOfWhichSignalsTheOutcomeIsUnknown) {
+  bring_online();
+  slave_.delay_answers(5s);
+  const auto control = write({field("control_command", Raw{1})});
+  ASSERT_TRUE(finish(control, 900ms).has_error());
+  ASSERT_TRUE(control.get().error().outcome_unknown);
+  EXPECT_EQ(observer_.unknown, (std::vector<std::vector<SignalId>>{{signal("control_command")}}));
 }
 
 }  // namespace
