@@ -39,8 +39,8 @@ bool Bus::send(const Frame& frame) {
   return core_->send(frame, &TransmitQueue::push);
 }
 
-bool Bus::send_latest(const Frame& frame) {
-  return core_->send(frame, &TransmitQueue::push_latest);
+bool Bus::repeat(const Frame& frame) {
+  return core_->send(frame, &TransmitQueue::push_repetition);
 }
 
 boost::asio::awaitable<Result<void>> Bus::send_command(Frame frame, TimePoint deadline) {

@@ -48,9 +48,10 @@ class Bus {
   /// Queues a frame that is no command (SDO reads and boot writes, guarding requests). Dropped when it could not leave
   /// within a second, or while the bus is down: then false.
   bool send(const Frame& frame);
-  /// The same for a frame of which only the newest matters (a repeated RPDO): it replaces one of its COB-ID that still
-  /// waits. Refused (false) while a command of its COB-ID waits or is leaving, which is always newer.
-  bool send_latest(const Frame& frame);
+  /// The same for a repeated RPDO, of which only the newest matters: it replaces one of its COB-ID that still waits.
+  /// Refused (false) while a command of its COB-ID waits or is leaving, which is always newer. It goes only where a
+  /// frame was received or echoed within the last second.
+  bool repeat(const Frame& frame);
   /// Queues a command and waits for its departure (echo). Withdrawn when not handed over by `deadline`: `timeout`.
   /// Handed over without an echo by `deadline` or in 100 ms: `timeout` with outcome_unknown, and the bus takes no
   /// command until an echo returns. `offline` while the bus is down or takes none. It is handed over only where a frame
@@ -58,7 +59,7 @@ class Bus {
   /// heartbeat of ours a command on a silent bus ends as `timeout`, not sent.
   boost::asio::awaitable<Result<void>> send_command(Frame frame, TimePoint deadline);
   /// Withdraws what has not been handed over yet of a COB-ID: commands (their answer is `timeout`) and a frame of
-  /// send_latest().
+  /// repeat().
   void withdraw(std::uint32_t cob_id);
 
   [[nodiscard]] const BusState& state() const noexcept;

@@ -72,6 +72,7 @@ void Bus::Core::start() {
 
 boost::asio::awaitable<void> Bus::Core::stop() {
   link_->close();
+  told_ = false;
   state_ = BusState{};
   go_down();
   wake_up_.cancel();
@@ -139,7 +140,7 @@ void Bus::Core::on_echo(const Frame& frame, TimePoint at) {
 
 void Bus::Core::on_bus_state(const BusState& state) {
   const BusState before = std::exchange(state_, state);
-  if (state == before) {
+  if (std::exchange(told_, true) && state == before) {
     return;
   }
   if (state.condition == BusCondition::bus_off && before.condition != BusCondition::bus_off) {

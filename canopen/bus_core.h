@@ -56,6 +56,7 @@ class Bus::Core final : public LinkEvents {
   std::unique_ptr<Link> link_;
   BusSettings settings_;
   BusState state_;
+  bool told_ = false;  ///< The link said something: an interface that is missing from the start is news, too.
   BusStatistics statistics_;
   BusLoad load_;
   Dispatch dispatch_;

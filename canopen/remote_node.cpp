@@ -61,6 +61,10 @@ void RemoteNode::note_commanded(const ObjectValue& value) {
   supervisor_->rpdos().note(value);
 }
 
+void RemoteNode::hold_repetition(ObjectAddress object) {
+  supervisor_->rpdos().hold(object);
+}
+
 void RemoteNode::forget_commanded(ObjectAddress object) {
   supervisor_->rpdos().forget(object);
 }

@@ -52,6 +52,8 @@ class RemoteNode {
                                                  TimePoint deadline);
   /// A confirmed SDO write: its field counts as commanded with this value.
   void note_commanded(const ObjectValue& value);
+  /// A command of `object` goes by SDO now: an RPDO that is repeated must not undo it meanwhile.
+  void hold_repetition(ObjectAddress object);
   /// Its field counts as not commanded (momentary value sent, or outcome unknown).
   void forget_commanded(ObjectAddress object);
   /// Nothing counts as commanded (fault, standstill, a command timeout that ends RPDOs). Boot-up, loss and leaving

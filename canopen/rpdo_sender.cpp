@@ -11,6 +11,7 @@ namespace {
 
 // Two repetitions may be lost before the node's event timer runs out.
 constexpr int kRepeatsPerEventTimer = 3;
+constexpr int kHeldRepeats = 2;
 constexpr Duration kFastestRepeat = std::chrono::milliseconds(5);
 
 Duration repeat_time(const PdoSettings& settings) noexcept {
@@ -45,7 +46,7 @@ RpdoSender::RpdoSender(const boost::asio::any_io_executor& executor, Bus& bus, s
     : executor_(executor), bus_(bus), node_(node), turn_event_(executor) {
   entries_.reserve(rpdos.size());  // The repetitions keep references.
   for (const PdoSettings& settings : rpdos) {
-    Entry& entry = entries_.emplace_back(Entry{Rpdo(settings), Rpdo(settings), repeat_time(settings), nullptr});
+    Entry& entry = entries_.emplace_back(Entry{Rpdo(settings), Rpdo(settings), repeat_time(settings), nullptr, TimePoint::min()});
     entry.repetition = std::make_unique<WakeUp>(executor_, [this, &entry] { repeat(entry); });
   }
 }
@@ -113,9 +114,21 @@ boost::asio::awaitable<Result<void>> RpdoSender::transmit(Entry& entry, std::vec
   co_return failure;
 }
 
+void RpdoSender::hold(ObjectAddress object) noexcept {
+  for (Entry& entry : entries_) {
+    if (entry.rpdo.maps(object)) {
+      entry.held_until = Clock::now() + kHeldRepeats * entry.repeat;
+      bus_.withdraw(entry.rpdo.cob_id());
+    }
+  }
+}
+
 void RpdoSender::note(const ObjectValue& value) noexcept {
   for (Entry& entry : entries_) {
     entry.rpdo.note(value);
+    if (entry.rpdo.maps(value.object)) {
+      entry.held_until = TimePoint::min();
+    }
   }
 }
 
@@ -162,8 +175,10 @@ void RpdoSender::repeat(Entry& entry) {
   if (!frame) {
     return;
   }
-  // Refused while a command of this RPDO waits, which is newer.
-  bus_.send_latest(*frame);
+  // While a command of this RPDO waits, or its departure is not yet noted, the last confirmed frame is the older one.
+  if (under_way_ != &entry && Clock::now() >= entry.held_until) {
+    bus_.repeat(*frame);
+  }
   entry.repetition->arm(Clock::now() + entry.repeat);
 }
 

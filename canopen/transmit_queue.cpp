@@ -24,17 +24,11 @@ bool TransmitQueue::push(const Frame& frame, TimePoint now) {
 }
 
 bool TransmitQueue::push_latest(const Frame& frame, TimePoint now) {
-  if (!up_ || holds_command(frame.id)) {
-    return false;
-  }
-  for (Waiting& entry : waiting_) {
-    if (entry.kind == Kind::latest && entry.frame.id == frame.id) {
-      entry.frame = frame;
-      entry.until = now + kLifeTime;
-      return true;
-    }
-  }
-  return enqueue({frame, Kind::latest, now + kLifeTime, 0, nullptr});
+  return replace_or_enqueue(frame, Kind::latest, now);
+}
+
+bool TransmitQueue::push_repetition(const Frame& frame, TimePoint now) {
+  return replace_or_enqueue(frame, Kind::repetition, now);
 }
 
 TransmitQueue::Ticket TransmitQueue::push_command(const Frame& frame, TimePoint deadline, Completion completion,
@@ -48,8 +42,9 @@ TransmitQueue::Ticket TransmitQueue::push_command(const Frame& frame, TimePoint 
     complete(completion, Departure::withdrawn);
     return ticket;
   }
-  std::erase_if(waiting_,
-                [&](const Waiting& entry) { return entry.kind == Kind::latest && entry.frame.id == frame.id; });
+  std::erase_if(waiting_, [&](const Waiting& entry) {
+    return (entry.kind == Kind::latest || entry.kind == Kind::repetition) && entry.frame.id == frame.id;
+  });
   enqueue({frame, Kind::command, deadline, ticket, std::move(completion)});
   return ticket;
 }
@@ -146,8 +141,23 @@ std::optional<TimePoint> TransmitQueue::next_time() const noexcept {
 
 bool TransmitQueue::wants_sign_of_life(TimePoint now) const noexcept {
   return up_ && in_kernel_.empty() && !waiting_.empty() && !alive(now) &&
-         std::all_of(waiting_.begin(), waiting_.end(),
-                     [](const Waiting& entry) { return entry.kind == Kind::command; });
+         std::all_of(waiting_.begin(), waiting_.end(), [](const Waiting& entry) {
+           return entry.kind == Kind::command || entry.kind == Kind::repetition;
+         });
+}
+
+bool TransmitQueue::replace_or_enqueue(const Frame& frame, Kind kind, TimePoint now) {
+  if (!up_ || holds_command(frame.id)) {
+    return false;
+  }
+  for (Waiting& entry : waiting_) {
+    if (entry.kind == kind && entry.frame.id == frame.id) {
+      entry.frame = frame;
+      entry.until = now + kLifeTime;
+      return true;
+    }
+  }
+  return enqueue({frame, kind, now + kLifeTime, 0, nullptr});
 }
 
 bool TransmitQueue::enqueue(Waiting entry) {
@@ -176,13 +186,18 @@ bool TransmitQueue::alive(TimePoint now) const noexcept {
 }
 
 bool TransmitQueue::may_go(const Waiting& entry, TimePoint now) const noexcept {
+  const auto none_like_it_left = [&] {
+    return std::none_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& other) {
+      return other.kind == entry.kind && other.frame.id == entry.frame.id;
+    });
+  };
   switch (entry.kind) {
     case Kind::ordinary:
       return true;
     case Kind::latest:
-      return std::none_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& other) {
-        return other.kind == Kind::latest && other.frame.id == entry.frame.id;
-      });
+      return none_like_it_left();
+    case Kind::repetition:
+      return alive(now) && none_like_it_left();
     case Kind::command:
       return alive(now) && std::none_of(in_kernel_.begin(), in_kernel_.end(),
                                         [](const InKernel& other) { return other.kind == Kind::command; });

@@ -44,11 +44,14 @@ class TransmitQueue {
   /// Replaces a waiting frame of the same COB-ID that was pushed this way. False too while a command of that COB-ID
   /// waits or is in the kernel.
   bool push_latest(const Frame& frame, TimePoint now);
-  /// Takes the place of a waiting push_latest() frame of its COB-ID, which is older.
+  /// The same for a command that is repeated: like a command it goes only while the bus shows life, or repetitions
+  /// would gather in the kernel and leave when a cable is plugged in again.
+  bool push_repetition(const Frame& frame, TimePoint now);
+  /// Takes the place of a waiting latest frame or repetition of its COB-ID, which is older.
   Ticket push_command(const Frame& frame, TimePoint deadline, Completion completion, TimePoint now);
   /// Nobody waits any more: withdraws it where it still waits here. Its completion is not called.
   void cancel(Ticket ticket);
-  /// Withdraws the commands and the push_latest() frame of a COB-ID that still wait here.
+  /// Withdraws the commands and the latest frame or repetition of a COB-ID that still wait here.
   void withdraw(std::uint32_t cob_id);
 
   void on_echo(const Frame& frame, TimePoint at);
@@ -64,7 +67,7 @@ class TransmitQueue {
   [[nodiscard]] bool wants_sign_of_life(TimePoint now) const noexcept;
 
  private:
-  enum class Kind : std::uint8_t { ordinary, latest, command };
+  enum class Kind : std::uint8_t { ordinary, latest, repetition, command };
   struct Waiting {
     Frame frame;
     Kind kind;
@@ -85,6 +88,7 @@ class TransmitQueue {
     std::optional<TimePoint> lost_at;  ///< Overdue, and the bus moves again: its echo comes by then or never.
   };
 
+  bool replace_or_enqueue(const Frame& frame, Kind kind, TimePoint now);
   bool enqueue(Waiting entry);
   [[nodiscard]] bool holds_command(std::uint32_t cob_id) const noexcept;
   [[nodiscard]] bool refuses_commands() const noexcept;

@@ -97,7 +97,7 @@ TEST_F(BusCommandTest, ABusThatGoesOffAnswersAtOnce) {
   ASSERT_TRUE(result.done());
   EXPECT_EQ(result.get().error().kind, ErrorKind::offline);
   EXPECT_FALSE(bus->send(frame(0x605)));
-  EXPECT_FALSE(bus->send_latest(frame(0x205)));
+  EXPECT_FALSE(bus->repeat(frame(0x205)));
 
   wire.set_state({BusCondition::bus_off, 0, 0});  // The same bus-off, other counters.
   wire.set_state({BusCondition::error_active, 0, 0});

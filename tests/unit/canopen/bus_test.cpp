@@ -140,5 +140,19 @@ TEST_F(BusTest, LoadIsOfTheLastSecond) {
   EXPECT_EQ(bus->statistics().load_per_mille, 0);
 }
 
+TEST_F(BusTest, ABusThatIsDownFromTheStartIsNews) {
+  wire.set_state({});
+  std::vector<BusCondition> told;
+  Bus bus(loop.executor(), wire.connect(), kQuiet);
+  const Subscription subscription =
+      bus.subscribe_state([&](const BusState& state) { told.push_back(state.condition); });
+  bus.start();
+  loop.settle();
+  EXPECT_EQ(told, (std::vector<BusCondition>{BusCondition::down}));
+  wire.set_state({});
+  loop.settle();
+  EXPECT_EQ(told.size(), 1U);
+}
+
 }  // namespace
 }  // namespace canopen

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "tests/support/transmit_queue_fixture.h"
@@ -104,17 +105,38 @@ TEST_F(TransmitQueueTest, ARepeatedFrameWaitsForItsPredecessor) {
 
 TEST_F(TransmitQueueTest, ACommandIsNeverFollowedByAnOlderRepetition) {
   link.result = SendResult::busy;
-  EXPECT_TRUE(queue.push_latest(frame(0x205, 1), now));
+  EXPECT_TRUE(queue.push_repetition(frame(0x205, 1), now));
   Command command;
   push_command(command, frame(0x205, 2));
-  EXPECT_FALSE(queue.push_latest(frame(0x205, 1), now)) << "a command of its COB-ID waits";
+  EXPECT_FALSE(queue.push_repetition(frame(0x205, 1), now)) << "a command of its COB-ID waits";
   link.result = SendResult::handed_over;
   see_life();
   advance(2ms);
   EXPECT_EQ(link.sent, (std::vector<Frame>{frame(0x205, 2)}));
-  EXPECT_FALSE(queue.push_latest(frame(0x205, 1), now)) << "a command of its COB-ID is leaving";
+  EXPECT_FALSE(queue.push_repetition(frame(0x205, 1), now)) << "a command of its COB-ID is leaving";
   echo(frame(0x205, 2));
-  EXPECT_TRUE(queue.push_latest(frame(0x205, 2), now));
+  EXPECT_TRUE(queue.push_repetition(frame(0x205, 2), now));
+}
+
+TEST_F(TransmitQueueTest, RepetitionsDoNotGatherWhileTheCableIsOut) {
+  see_life();
+  for (int i = 0; i < 300; ++i) {  // Ten seconds without an echo.
+    EXPECT_TRUE(queue.push_repetition(frame(0x205, 1), now));
+    EXPECT_TRUE(queue.push_latest(frame(0x77F, 5), now));
+    advance(33ms);
+  }
+  EXPECT_EQ(std::count(link.sent.begin(), link.sent.end(), frame(0x205, 1)), 1);
+  EXPECT_GT(std::count(link.sent.begin(), link.sent.end(), frame(0x77F, 5)), 1) << "our heartbeat goes on trying";
+}
+
+TEST_F(TransmitQueueTest, ARepetitionWaitsForASignOfLife) {
+  EXPECT_TRUE(queue.push_repetition(frame(0x205, 1), now));
+  queue.service(now);
+  EXPECT_TRUE(link.sent.empty());
+  EXPECT_TRUE(queue.wants_sign_of_life(now));
+  see_life();
+  queue.service(now);
+  EXPECT_EQ(link.sent.size(), 1U);
 }
 
 TEST_F(TransmitQueueTest, NothingThatWaitedLeavesWhenTheBusReturns) {
