@@ -26,6 +26,9 @@ using WallTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 /// The time of day now; follows ManualTime in tests.
 [[nodiscard]] WallTime wall_now() noexcept;
 
+/// No deadline, or nothing due.
+inline constexpr TimePoint kNever = TimePoint::max();
+
 /// While one lives, both clocks stand still and move only by advance(). Single-threaded tests only.
 class ManualTime {
  public:

@@ -17,8 +17,12 @@ constexpr Duration kNmtTime = std::chrono::seconds(1);
 
 boost::asio::awaitable<void> RemoteNode::Supervisor::take_over() {
   phase_ = Phase::inspecting;
-  hold_ = Hold::none;  // Somebody has started it.
-  if (!watch_.watching()) {
+  if (hold_ == Hold::by_itself || Clock::now() >= nmt_grace_end_) {
+    hold_ = Hold::none;  // Somebody has started it. Else a stop of ours has only just left, and its heartbeat is old.
+  }
+  if (signs_.by_guarding) {
+    watch_.suspend();  // Nothing comes unasked.
+  } else if (!watch_.watching()) {
     watch_.watch(Clock::now());
   }
   BootReport report = co_await inspect_running(sdo_, settings_);
@@ -26,16 +30,20 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::take_over() {
   if (phase_ != Phase::inspecting || report.interrupted) {
     co_return;
   }
-  if (report.ok() && status_.lost && expects_heartbeat(settings_) && !signs_.heartbeat_at) {
-    // It was given up for its missing heartbeat: TPDOs alone do not bring it back.
-    const bool alive = co_await heartbeat_after(Clock::now());
+  if (report.ok()) {
+    const bool guarding = signs_.by_guarding;
+    const bool alive = co_await heartbeat_as_needed();
     if (phase_ != Phase::inspecting) {
       co_return;
     }
     if (!alive) {
       report.letter = 'E';
-      report.text = "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
+      report.text = guarding ? "it sends no heartbeat, 0x1017:00 is 0; guarding is not supported in its place"
+                             : "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
     }
+  }
+  if (hold_ == Hold::by_itself) {
+    co_return;  // It left operational meanwhile.
   }
   if (!report.ok()) {
     if (report.letter == 'L' && settings_.reconfigure_running) {
@@ -53,10 +61,23 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::take_over() {
   co_await serve();
 }
 
+boost::asio::awaitable<bool> RemoteNode::Supervisor::heartbeat_as_needed() {
+  // A node that was given up for its missing heartbeat is not brought back by TPDOs alone, and the answer to a guarding
+  // request says nothing of the time after it.
+  if (!expects_heartbeat(settings_) || signs_.heartbeat_at || !(status_.lost || signs_.by_guarding)) {
+    co_return true;
+  }
+  co_return co_await heartbeat_after(Clock::now());
+}
+
 boost::asio::awaitable<void> RemoteNode::Supervisor::bring_up(FoundState found) {
+  if (hold_ == Hold::by_itself) {
+    co_await hold_back(found);
+    co_return;
+  }
   const bool answers_sdo = found != FoundState::stopped;
   if (!answers_sdo && !may_start()) {
-    co_await pause(kRetryInterval, &Supervisor::boot_wanted);
+    co_await pause(Clock::now() + kRetryInterval, &Supervisor::boot_wanted);
     co_return;
   }
   phase_ = Phase::booting;
@@ -65,6 +86,7 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::bring_up(FoundState found) 
   if (!answers_sdo || found == FoundState::operational) {
     // A stopped node answers no SDO; an operational one refuses most settings, and is here only by reconfigure_running.
     const Frame frame = nmt_frame(NmtCommand::pre_operational, settings_.node);
+    nmt_grace_end_ = Clock::now() + kNmtTime + settings_.error_control.heartbeat_timeout;
     const Result<void> left = co_await bus_.send_command(frame, Clock::now() + kNmtTime);
     gave_up_ = left.has_error();
     if (phase_ != Phase::booting || gave_up_) {
@@ -109,21 +131,21 @@ void RemoteNode::Supervisor::settings_done(const BootReport& report) {
 
 boost::asio::awaitable<std::optional<BootFailure>> RemoteNode::Supervisor::start_node() {
   phase_ = Phase::starting;
-  start_grace_end_ = Clock::now() + kNmtTime + settings_.error_control.heartbeat_timeout;
+  nmt_grace_end_ = Clock::now() + kNmtTime + settings_.error_control.heartbeat_timeout;
   const BootFailure interrupted{'J', {}, true};
   const Frame frame = nmt_frame(NmtCommand::start, settings_.node);
   const Result<void> left = co_await bus_.send_command(frame, Clock::now() + kNmtTime);
   if (left.has_value()) {
     ++starts_;
-    start_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
+    nmt_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
     changed_.notify();
   }
   if (phase_ == Phase::starting && left.has_value() && !expects_heartbeat(settings_)) {
     signs_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
     arrive(Arrival::booted);
   }
-  while (phase_ == Phase::starting && left.has_value() && Clock::now() < start_grace_end_) {
-    co_await changed_.wait_until(start_grace_end_);
+  while (phase_ == Phase::starting && left.has_value() && Clock::now() < nmt_grace_end_) {
+    co_await changed_.wait_until(nmt_grace_end_);
   }
   if (phase_ == Phase::online) {
     co_return std::nullopt;
@@ -146,9 +168,6 @@ void RemoteNode::Supervisor::arrive(Arrival arrival) {
     status.nmt = signs_.state.value_or(status.nmt);
     status.boot_result = kBootOk;
     status.boot_text.clear();
-    if (hold_ == Hold::by_itself) {
-      note_left_by_itself(status);
-    }
   });
   events_.on_arrival(arrival);
   changed_.notify();

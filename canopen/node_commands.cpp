@@ -23,7 +23,7 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress o
 
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::write(ObjectAddress object, DataType type, Raw raw,
                                                                    TimePoint deadline) {
-  if (phase_ != Phase::online || status_.nmt != NmtState::operational) {
+  if (!takes_commands()) {
     co_return offline_error(object, "the drive is not online and operational");
   }
   co_return co_await sdo_.write_command(object, type, raw, deadline);
@@ -32,7 +32,7 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::write(ObjectAddress
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_rpdo(std::uint16_t number,
                                                                        std::vector<ObjectValue> fields,
                                                                        TimePoint deadline) {
-  if (phase_ != Phase::online || status_.nmt != NmtState::operational) {
+  if (!takes_commands()) {
     co_return offline_error({}, "the drive is not online and operational");
   }
   co_return co_await rpdos_.send(number, std::move(fields), deadline);
@@ -51,10 +51,15 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::command(NmtCommand 
 
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_nmt(NmtCommand command, TimePoint deadline) {
   const Hold before = hold_;
+  const TimePoint grace_before = nmt_grace_end_;
   const bool stops = command == NmtCommand::stop || command == NmtCommand::pre_operational;
-  if (stops && hold_ == Hold::none) {
+  if (stops) {
     // Before it leaves: a boot under way must not start the node after it, nor its heartbeat look like a surprise.
-    hold_ = Hold::by_command;
+    hold_ = hold_ == Hold::none ? Hold::by_command : hold_;
+    nmt_grace_end_ = deadline + settings_.error_control.heartbeat_timeout;
+  }
+  if (command != NmtCommand::start) {
+    sdo_.withdraw_commands();  // Of the same queue, and behind it.
   }
   Result<void> left = co_await bus_.send_command(nmt_frame(command, settings_.node), deadline);
   if (stopping_) {
@@ -63,6 +68,7 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_nmt(NmtCommand
   if (left.has_error() && !left.error().outcome_unknown) {
     if (stops && hold_ == Hold::by_command) {
       hold_ = before;
+      nmt_grace_end_ = grace_before;
     }
     Error not_sent = left.error();
     not_sent.node = settings_.node;
@@ -76,16 +82,18 @@ void RemoteNode::Supervisor::on_nmt_left(NmtCommand command) {
   switch (command) {
     case NmtCommand::start:
       hold_ = Hold::none;
-      start_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
+      nmt_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:
-      rpdos_.cease();
+      nmt_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
+      withdraw_commands();
       break;
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
       // What follows is a boot-up, even where the drive sends no message of it.
       hold_ = Hold::none;
+      nmt_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;
       signs_ = NodeSigns{};
       watch_.suspend();
       leave_service();
@@ -100,6 +108,11 @@ void RemoteNode::Supervisor::on_nmt_left(NmtCommand command) {
   }
 }
 
+bool RemoteNode::Supervisor::takes_commands() const {
+  // After an NMT stop the heartbeat still says operational for a while.
+  return phase_ == Phase::online && status_.nmt == NmtState::operational && hold_ == Hold::none;
+}
+
 bool RemoteNode::Supervisor::start_needs_boot() const {
   if (phase_ == Phase::online) {
     return hold_ == Hold::by_itself;  // It may have rebooted unseen.
@@ -111,8 +124,9 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::start_by_boot(TimeP
   if (status_.lost) {
     co_return offline_error({}, "the drive is silent; it is booted and started when it appears");
   }
-  hold_ = Hold::none;
+  const Hold held = std::exchange(hold_, Hold::none);
   start_requested_ = true;
+  ++starts_awaited_;
   if (phase_ == Phase::online) {
     leave_service();
     change_status([](NodeStatus& status) {
@@ -127,11 +141,23 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::start_by_boot(TimeP
   while (starts_ == before && Clock::now() < deadline && !stopping_) {
     co_await changed_.wait_until(deadline);
   }
+  --starts_awaited_;
   if (starts_ != before) {
     co_return Result<void>();
   }
+  if (stopping_) {
+    co_return offline_error({}, "removed while it was booted");
+  }
   Error error = offline_error({}, "the drive is still being booted, which ends with NMT start");
-  error.kind = stopping_ ? ErrorKind::offline : ErrorKind::timeout;
+  error.kind = ErrorKind::timeout;
+  error.outcome_unknown = true;
+  const bool begun = !start_requested_ || phase_ == Phase::booting || phase_ == Phase::starting;
+  if (!begun && held != Hold::none && hold_ == Hold::none && starts_awaited_ == 0) {
+    hold_ = held;
+    start_requested_ = false;
+    error.outcome_unknown = false;
+    error.detail = "not begun: the drive's state was not known in time";
+  }
   co_return error;
 }
 

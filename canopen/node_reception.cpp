@@ -36,6 +36,8 @@ void RemoteNode::Supervisor::on_error_control(const Received& received) {
   }
   if (message->boot_up) {
     on_boot_up(received.at);
+  } else if (signs_.guarding_asked) {
+    on_guarding_answer(message->state, received.at);
   } else {
     on_state(message->state, received.at);
   }
@@ -63,6 +65,7 @@ void RemoteNode::Supervisor::on_boot_up(TimePoint at) {
 void RemoteNode::Supervisor::on_state(NmtState state, TimePoint at) {
   signs_.heartbeat_at = at;
   status_.last_heartbeat = at;
+  signs_.by_guarding = false;
   watch_.alive(at);
   if (state != NmtState::unknown) {
     signs_.state = state;
@@ -81,8 +84,35 @@ void RemoteNode::Supervisor::on_state(NmtState state, TimePoint at) {
     arrive(Arrival::booted);
     return;
   }
+  take_state(state, at);
+}
+
+void RemoteNode::Supervisor::on_guarding_answer(NmtState state, TimePoint at) {
+  signs_.guarding_asked = false;
+  signs_.by_guarding = true;
+  status_.last_heartbeat = at;
+  if (state != NmtState::unknown) {
+    signs_.state = state;
+  }
+  take_state(state, at);
+}
+
+void RemoteNode::Supervisor::take_state(NmtState state, TimePoint at) {
   if (state != NmtState::unknown && state != status_.nmt) {
-    change_status([state](NodeStatus& status) { status.nmt = state; });
+    const bool by_itself = status_.nmt == NmtState::operational && hold_ == Hold::none && at >= nmt_grace_end_;
+    if (by_itself) {
+      hold_ = Hold::by_itself;
+    }
+    if (by_itself && phase_ == Phase::booting) {
+      leave_service();  // Somebody had started it meanwhile; nothing more is written.
+    }
+    change_status([state, by_itself](NodeStatus& status) {
+      status.nmt = state;
+      if (by_itself) {
+        status.configured = false;
+        note_left_by_itself(status);
+      }
+    });
   }
   changed_.notify();
 }
@@ -102,14 +132,14 @@ void RemoteNode::Supervisor::on_state_online(NmtState state, TimePoint at) {
       });
       return;
     }
-    if (status_.nmt != NmtState::operational) {
-      hold_ = Hold::none;  // Started, by whomever. Else a stop of ours may still be on its way.
+    if (status_.nmt != NmtState::operational || at >= nmt_grace_end_) {
+      hold_ = Hold::none;  // Started, by whomever, or it does not obey. Else a stop of ours may still be on its way.
     }
   } else {
     if (status_.nmt == NmtState::operational) {
-      rpdos_.cease();
+      withdraw_commands();
     }
-    if (hold_ == Hold::none && at >= start_grace_end_) {
+    if (hold_ == Hold::none && at >= nmt_grace_end_) {
       hold_ = Hold::by_itself;
     }
   }

@@ -15,6 +15,7 @@ namespace {
 constexpr Duration kProbeInterval = std::chrono::seconds(3);
 // Keeps a life that fails at once, as with a full transmit queue, from spinning.
 constexpr Duration kBreath = std::chrono::milliseconds(10);
+constexpr ObjectAddress kDeviceType{0x1000, 0};
 
 }  // namespace
 
@@ -72,7 +73,7 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::run() {
   while (!stopping_) {
     const TimePoint begun = Clock::now();
     co_await live_once();
-    if (!stopping_ && Clock::now() == begun) {
+    if (!stopping_ && Clock::now() < begun + kBreath) {
       co_await changed_.wait_until(begun + kBreath);
     }
   }
@@ -110,7 +111,7 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::live_once() {
   if (gave_up_ && sdo_.interruptions() == interruptions) {
     // Nothing came in between, our own frames could not leave: trying again at once would only add to them.
     phase_ = Phase::idle;
-    co_await pause(kRetryInterval, &Supervisor::boot_wanted);
+    co_await pause(Clock::now() + kRetryInterval, &Supervisor::boot_wanted);
   }
 }
 
@@ -131,7 +132,7 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::stay_silent() {
     status.boot_result = kNotBooted;
     status.boot_text.clear();
   });
-  co_await pause(kProbeInterval, &Supervisor::heard_sign);
+  co_await pause(Clock::now() + kProbeInterval, &Supervisor::heard_sign);
 }
 
 boost::asio::awaitable<void> RemoteNode::Supervisor::serve() {
@@ -142,7 +143,11 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::serve() {
 
 boost::asio::awaitable<void> RemoteNode::Supervisor::fail(BootReport report) {
   phase_ = Phase::idle;
-  watch_.watch(Clock::now());
+  if (signs_.by_guarding) {
+    watch_.suspend();  // Nothing comes unasked; it is asked again.
+  } else {
+    watch_.watch(Clock::now());
+  }
   change_status([&report](NodeStatus& status) {
     status.configured = false;
     status.boot_result = report.letter;
@@ -150,14 +155,28 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::fail(BootReport report) {
   });
   if (report.letter == 'L') {
     // Left alone until it leaves operational, reboots or is lost: reading it again would not change it.
-    co_await pause(TimePoint::max() - Clock::now(), &Supervisor::not_operational);
+    const TimePoint until = signs_.by_guarding ? Clock::now() + kRetryInterval : TimePoint::max();
+    co_await pause(until, &Supervisor::not_operational);
   } else {
-    co_await pause(kRetryInterval, &Supervisor::boot_wanted);
+    co_await pause(Clock::now() + kRetryInterval, &Supervisor::boot_wanted);
   }
 }
 
-boost::asio::awaitable<void> RemoteNode::Supervisor::pause(Duration time, bool (Supervisor::*over)() const) {
-  const TimePoint until = Clock::now() + time;
+boost::asio::awaitable<void> RemoteNode::Supervisor::hold_back(FoundState found) {
+  if (heartbeat_is_fresh() && !watch_.watching()) {
+    watch_.watch(Clock::now());
+  }
+  change_status([](NodeStatus& status) {
+    status.configured = false;
+    note_left_by_itself(status);
+  });
+  if (found != FoundState::stopped && !sdo_.answered()) {
+    static_cast<void>(co_await sdo_.probe(kDeviceType, DataType::u32));  // Reads are let through where it answers.
+  }
+  co_await pause(Clock::now() + kRetryInterval, &Supervisor::hold_over);
+}
+
+boost::asio::awaitable<void> RemoteNode::Supervisor::pause(TimePoint until, bool (Supervisor::*over)() const) {
   const std::uint64_t interruptions = sdo_.interruptions();
   while (Clock::now() < until && !stopping_ && !(this->*over)() && sdo_.interruptions() == interruptions) {
     co_await changed_.wait_until(until);
@@ -168,6 +187,7 @@ void RemoteNode::Supervisor::forget_stale_signs() {
   if (!heartbeat_is_fresh()) {
     signs_.state.reset();
     signs_.heartbeat_at.reset();
+    signs_.by_guarding = false;
   }
 }
 
@@ -181,6 +201,11 @@ void RemoteNode::Supervisor::leave_service() {
   sdo_.interrupt();
   rpdos_.cease();
   changed_.notify();
+}
+
+void RemoteNode::Supervisor::withdraw_commands() {
+  rpdos_.cease();
+  sdo_.withdraw_commands();
 }
 
 }  // namespace canopen

@@ -77,11 +77,14 @@ class RemoteNode::Supervisor final : private NmtLine {
   boost::asio::awaitable<void> bring_up(FoundState found);
   boost::asio::awaitable<void> serve();
   boost::asio::awaitable<void> fail(BootReport report);
-  /// Waits for `time`, until `over` says so, or an interruption.
-  boost::asio::awaitable<void> pause(Duration time, bool (Supervisor::*over)() const);
+  /// Neither configures nor starts a node that left operational by itself; only looks whether that is over.
+  boost::asio::awaitable<void> hold_back(FoundState found);
+  /// Waits until `until`, until `over` says so, or for an interruption.
+  boost::asio::awaitable<void> pause(TimePoint until, bool (Supervisor::*over)() const);
   [[nodiscard]] bool heard_sign() const { return signs_.boot_up || signs_.state.has_value() || start_requested_; }
   [[nodiscard]] bool boot_wanted() const { return signs_.boot_up || start_requested_; }
   [[nodiscard]] bool not_operational() const { return boot_wanted() || signs_.state != NmtState::operational; }
+  [[nodiscard]] bool hold_over() const { return boot_wanted() || signs_.state == NmtState::operational; }
   void forget_stale_signs();
   [[nodiscard]] bool heartbeat_is_fresh() const;
 
@@ -91,10 +94,14 @@ class RemoteNode::Supervisor final : private NmtLine {
   void settings_done(const BootReport& report) override;
   boost::asio::awaitable<std::optional<BootFailure>> start_node() override;
 
+  /// Whether a heartbeat comes where the takeover must not do without one.
+  boost::asio::awaitable<bool> heartbeat_as_needed();
   void arrive(Arrival arrival);
   static void note_left_by_itself(NodeStatus& status);
   /// Ends the present phase: what is pending fails as offline, RPDOs are void.
   void leave_service();
+  /// No command that has not begun may reach a node that is not operational any more.
+  void withdraw_commands();
   /// Applies `change` to the status and tells it where a field but the heartbeat's time differs.
   template <class Change>
   void change_status(Change change);
@@ -104,6 +111,9 @@ class RemoteNode::Supervisor final : private NmtLine {
   void on_error_control(const Received& received);
   void on_boot_up(TimePoint at);
   void on_state(NmtState state, TimePoint at);
+  void on_guarding_answer(NmtState state, TimePoint at);
+  /// A state of a node that is not in service.
+  void take_state(NmtState state, TimePoint at);
   void on_state_online(NmtState state, TimePoint at);
   void on_tpdo(const Tpdo& tpdo, const Received& received);
   void on_emcy(const Received& received);
@@ -115,6 +125,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   boost::asio::awaitable<Result<void>> send_nmt(NmtCommand command, TimePoint deadline);
   void on_nmt_left(NmtCommand command);
   [[nodiscard]] bool start_needs_boot() const;
+  [[nodiscard]] bool takes_commands() const;
   [[nodiscard]] Error offline_error(ObjectAddress object, std::string detail) const;
 
   boost::asio::any_io_executor executor_;
@@ -134,10 +145,11 @@ class RemoteNode::Supervisor final : private NmtLine {
   Phase phase_ = Phase::idle;
   Hold hold_ = Hold::none;
   NodeSigns signs_;
-  TimePoint start_grace_end_{};  ///< Until then another state is no wonder: NMT start has only just left.
-  std::uint32_t starts_ = 0;     ///< NMT starts of boots that have left.
+  TimePoint nmt_grace_end_{};  ///< Until then any state is no wonder: an NMT command of ours has only just left.
+  std::uint32_t starts_ = 0;   ///< NMT starts of boots that have left.
   bool start_requested_ = false;
-  bool gave_up_ = false;  ///< A boot or takeover ended without a verdict.
+  std::size_t starts_awaited_ = 0;  ///< NMT start commands that wait for the boot they asked for.
+  bool gave_up_ = false;            ///< A boot or takeover ended without a verdict.
   bool running_ = false;
   bool stopping_ = false;
   std::size_t operations_ = 0;

@@ -85,6 +85,10 @@ boost::asio::awaitable<Comparison> PdoSetup::compare() {
       note(found, pdo_.communication, cob_id_item(pdo_.cob_id), found.cob_id);
     }
     co_await compare_parameters(found);
+  } else if (pdo_.mapping_policy == SetupPolicy::write && (found.cob_id & kInvalid) != 0) {
+    // An earlier set-up of the mapping that was interrupted leaves it like that; no TPDO would ever come.
+    found.cob_id_differs = true;
+    note(found, pdo_.mapping_policy, cob_id_item(found.cob_id & ~kInvalid), found.cob_id);
   }
   if (!found.failure && pdo_.mapping_policy != SetupPolicy::assume) {
     co_await compare_mapping(found);
@@ -155,8 +159,8 @@ boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::apply(Comparison fo
     failure = co_await write(found.parameters[i]);
   }
   if (!failure) {
-    const Raw enabled =
-        pdo_.communication == SetupPolicy::assume ? found.cob_id : (found.cob_id & kRtrForbidden) | pdo_.cob_id;
+    const Raw enabled = pdo_.communication == SetupPolicy::assume ? found.cob_id & ~kInvalid
+                                                                  : (found.cob_id & kRtrForbidden) | pdo_.cob_id;
     failure = co_await write(cob_id_item(enabled));
   }
   co_return failure;

@@ -36,10 +36,11 @@ class RemoteNode {
   /// SDO upload with retries. Refused as offline while the node does not answer SDOs at all, or is stopped.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
   /// SDO download of a command: sent once, withdrawn when not begun by `deadline`, outcome unknown when begun and
-  /// unconfirmed by then.
+  /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
   /// Departure of an NMT command. Only `start` ends the refusal to start a drive that left operational; where the drive
-  /// was not configured since, it is booted first, and the departure is that of the boot's NMT start.
+  /// was not configured since, it is booted first, and the departure is that of the boot's NMT start. A boot that was
+  /// begun goes on after the deadline, so the outcome is unknown then.
   boost::asio::awaitable<Result<void>> command(NmtCommand command, TimePoint deadline);
 
   /// The RPDO that maps `object` (used as commanded); 0: none.

@@ -71,8 +71,10 @@ boost::asio::awaitable<FoundState> learn_state(StateSearch search) {
   if (heartbeat > search.settings.error_control.heartbeat_timeout) {
     sign = co_await listen(search, heartbeat + heartbeat / 2);
   } else if (heartbeat == Duration::zero() && search.settings.error_control.has_guarding) {
+    search.signs.guarding_asked = true;
     request_guarding(search);
     sign = co_await listen(search, search.settings.sdo.timeout);
+    search.signs.guarding_asked = false;
   }
   co_return sign.value_or(FoundState::not_operational);
 }

@@ -19,7 +19,9 @@ class SdoClient;
 struct NodeSigns {
   bool boot_up = false;                   ///< A boot-up message that no boot has answered yet.
   std::optional<NmtState> state;          ///< Of the newest heartbeat or guarding answer; a TPDO means operational.
-  std::optional<TimePoint> heartbeat_at;  ///< The newest heartbeat or guarding answer.
+  std::optional<TimePoint> heartbeat_at;  ///< The newest heartbeat.
+  bool guarding_asked = false;            ///< A guarding request has left: the next message is its answer.
+  bool by_guarding = false;               ///< The state comes from a guarding answer, and no heartbeat came since.
 };
 
 enum class FoundState : std::uint8_t {
@@ -35,7 +37,7 @@ struct StateSearch {
   SdoClient& sdo;
   Bus& bus;
   const NodeSettings& settings;
-  const NodeSigns& signs;  ///< Kept up to date by the node's frame handlers, which notify `changed`.
+  NodeSigns& signs;  ///< Kept up to date by the node's frame handlers, which notify `changed`.
   Event& changed;
 };
 

@@ -15,40 +15,6 @@ constexpr std::uint32_t kAbortTimedOut = 0x05040000;
 
 }  // namespace
 
-/// A place in the line of those who want the channel.
-class SdoClient::Turn {
- public:
-  explicit Turn(SdoClient& client) : client_(client), interruptions_(client.interruptions_) {
-    client_.turns_.push_back(this);
-    ++client_.users_;
-  }
-  ~Turn() {
-    std::erase(client_.turns_, this);
-    --client_.users_;
-    client_.turn_event_.notify();
-  }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
-  boost::asio::awaitable<Result<void>> wait_until(ObjectAddress object, TimePoint deadline) {
-    while (client_.turns_.front() != this && !interrupted() && Clock::now() < deadline) {
-      co_await client_.turn_event_.wait_until(deadline);
-    }
-    if (interrupted()) {
-      co_return client_.interruption(object);
-    }
-    if (client_.turns_.front() != this) {
-      co_return client_.error(ErrorKind::timeout, object, "not begun: other SDO transfers held the channel");
-    }
-    co_return Result<void>();
-  }
-  [[nodiscard]] bool interrupted() const noexcept { return interruptions_ != client_.interruptions_; }
-
- private:
-  SdoClient& client_;
-  std::uint64_t interruptions_;
-};
-
 /// The transfer that has the channel, where the frame handler finds it.
 struct SdoClient::Exchange {
   Exchange(SdoClient& owner, SdoTransfer what, TimePoint until, TimePoint last_moment)
@@ -75,7 +41,7 @@ SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8
       bus_(bus),
       node_(node),
       settings_(settings),
-      turn_event_(executor_),
+      line_(executor_),
       subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
 
 // Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
@@ -112,23 +78,27 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
 }
 
 boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries) {
-  Turn turn(*this);
-  const Result<void> granted = co_await turn.wait_until(transfer.object(), TimePoint::max());
-  if (granted.has_error()) {
-    co_return granted.error();
+  SdoLine::Place place(line_, SdoLine::Kind::transfer);
+  SdoLine::Verdict verdict = co_await place.wait_until(TimePoint::max());
+  if (verdict != SdoLine::Verdict::mine) {
+    co_return not_granted(verdict, transfer.object());
   }
   const Result<void> settled = co_await settle_late(transfer.object(), TimePoint::max());
   if (settled.has_error()) {
     co_return settled.error();
   }
-  for (; !turn.interrupted(); --tries) {
+  for (; place.verdict() == SdoLine::Verdict::mine; --tries) {
     SdoTransfer fresh = transfer;
     Result<Bytes> result = co_await try_once(std::move(fresh), TimePoint::max());
     if (tries <= 1 || result.has_value() || result.error().kind != ErrorKind::timeout) {
       co_return result;
     }
+    // All tries together may take longer than a command has, and that command may be a stop.
+    if (place.give_way()) {
+      static_cast<void>(co_await place.wait_until(TimePoint::max()));
+    }
   }
-  co_return interruption(transfer.object());
+  co_return not_granted(place.verdict(), transfer.object());
 }
 
 boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer transfer, TimePoint due) {
@@ -147,20 +117,26 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer
 
 boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline) {
   const ObjectAddress object = transfer.object();
-  Turn turn(*this);
-  const Result<void> granted = co_await turn.wait_until(object, deadline);
-  if (granted.has_error()) {
-    co_return granted.error();
+  SdoLine::Place place(line_, SdoLine::Kind::command);
+  const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
+  if (verdict != SdoLine::Verdict::mine) {
+    co_return not_granted(verdict, object);
   }
   const Result<void> settled = co_await settle_late(object, deadline);
-  if (settled.has_error() || turn.interrupted()) {
-    co_return turn.interrupted() ? interruption(object) : settled.error();
+  if (place.verdict() != SdoLine::Verdict::mine) {
+    co_return not_granted(place.verdict(), object);
+  }
+  if (settled.has_error()) {
+    co_return settled.error();
   }
   Exchange exchange(*this, std::move(transfer), deadline, deadline);
   exchange.late_possible = late_.expected(object);
   const Frame frame = make_frame(kRequestBase + node_, exchange.transfer.request());
   const Result<void> left = co_await bus_.send_command(frame, deadline);
   if (left.has_error() && !left.error().outcome_unknown) {
+    if (place.verdict() != SdoLine::Verdict::mine) {
+      co_return not_granted(place.verdict(), object);
+    }
     Error not_begun = left.error();
     not_begun.node = node_;
     not_begun.object = object;
@@ -259,8 +235,13 @@ void SdoClient::finish(Exchange& exchange, SdoTransfer::Step step) {
   }
 }
 
+void SdoClient::withdraw_commands() {
+  line_.withdraw_commands();
+  bus_.withdraw(kRequestBase + node_);
+}
+
 void SdoClient::interrupt() {
-  ++interruptions_;
+  line_.interrupt();
   answered_ = false;
   bus_.withdraw(kRequestBase + node_);
   if (exchange_ != nullptr && !exchange_->over) {
@@ -268,7 +249,6 @@ void SdoClient::interrupt() {
     exchange_->error = interruption(exchange_->transfer.object());
     exchange_->ended.notify();
   }
-  turn_event_.notify();
 }
 
 SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) const {
@@ -289,9 +269,14 @@ Error SdoClient::interruption(ObjectAddress object) const {
   return error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
 }
 
-boost::asio::awaitable<void> SdoClient::until_idle() {
-  while (!idle()) {
-    co_await turn_event_.wait_until(TimePoint::max());
+Error SdoClient::not_granted(SdoLine::Verdict verdict, ObjectAddress object) const {
+  switch (verdict) {
+    case SdoLine::Verdict::late:
+      return error(ErrorKind::timeout, object, "not begun: other SDO transfers held the channel");
+    case SdoLine::Verdict::withdrawn:
+      return error(ErrorKind::offline, object, "withdrawn: the drive left operational, or is about to");
+    default:
+      return interruption(object);
   }
 }
 

@@ -3,7 +3,6 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,6 +16,7 @@
 #include "canopen/node_settings.h"
 #include "canopen/object.h"
 #include "canopen/sdo/late_answers.h"
+#include "canopen/sdo/line.h"
 #include "canopen/sdo/transfer.h"
 #include "canopen/subscription.h"
 
@@ -25,7 +25,8 @@ namespace canopen {
 class Bus;
 
 /// The SDO client of one node (default channel, 0x600 and 0x580 + node id). One transfer at a time; who comes later
-/// waits in order. Errors name node, object and abort code.
+/// waits in order, commands before the others. A read that is to be tried again lets them go first. Errors name node,
+/// object and abort code.
 ///
 /// Late answers: an answer is taken only for the object that was asked for. Where an earlier request for the same
 /// object went unanswered, its answer could pass for that of a new request; then another object is read first, whose
@@ -63,18 +64,19 @@ class SdoClient {
   /// Fails everything that is under way or waits with `offline`; commands that have not left are withdrawn. Sends
   /// nothing. The client can be used again at once.
   void interrupt();
+  /// Fails the commands that have not left with `offline`. One that has left is awaited, and reads go on.
+  void withdraw_commands();
   /// Grows with each interrupt(): a procedure of several transfers compares it to learn that it was interrupted.
-  [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
+  [[nodiscard]] std::uint64_t interruptions() const noexcept { return line_.interruptions(); }
 
   /// The newest transfer since the last interruption got an answer, were it an abort.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
   /// Nothing is under way or waits.
-  [[nodiscard]] bool idle() const noexcept { return users_ == 0; }
+  [[nodiscard]] bool idle() const noexcept { return line_.empty(); }
   /// Returns once idle; to be awaited after interrupt() before the client goes.
-  boost::asio::awaitable<void> until_idle();
+  boost::asio::awaitable<void> until_idle() { return line_.until_empty(); }
 
  private:
-  class Turn;
   struct Exchange;
   using Bytes = std::vector<std::uint8_t>;
 
@@ -92,6 +94,7 @@ class SdoClient {
   bool send(const SdoFrame& request);
   [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
   [[nodiscard]] Error interruption(ObjectAddress object) const;
+  [[nodiscard]] Error not_granted(SdoLine::Verdict verdict, ObjectAddress object) const;
 
   boost::asio::any_io_executor executor_;
   Bus& bus_;
@@ -100,12 +103,9 @@ class SdoClient {
   AbortHandler abort_handler_;
   RemarkHandler remark_handler_;
 
-  Event turn_event_;         ///< Somebody's turn came, or the last one left.
-  std::deque<Turn*> turns_;  ///< The first one has the channel.
-  std::size_t users_ = 0;
+  SdoLine line_;
   Exchange* exchange_ = nullptr;
   LateAnswers late_;
-  std::uint64_t interruptions_ = 0;
   bool answered_ = false;
 
   Subscription subscription_;

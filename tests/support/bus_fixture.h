@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "canopen/bus.h"
 #include "canopen/virtual_link.h"
+#include "tests/support/frame.h"
 #include "tests/support/hand_driven_loop.h"
 
 namespace support {
@@ -47,11 +47,6 @@ class HandLink final : public canopen::Link {
  private:
   canopen::LinkEvents*& events_;
 };
-
-inline canopen::Frame frame(std::uint32_t id, std::uint8_t content = 0) {
-  const std::array bytes{content};
-  return canopen::make_frame(id, bytes);
-}
 
 inline constexpr canopen::BusSettings kQuiet{.bitrate = 125000, .node_id = 0, .heartbeat = {}};
 

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <optional>
 #include <vector>
 
 #include "canopen/transmit_queue.h"
+#include "tests/support/frame.h"
 
 namespace support {
 
@@ -25,11 +25,6 @@ class FakeLink final : public canopen::Link {
   canopen::SendResult result = canopen::SendResult::handed_over;
   std::vector<canopen::Frame> sent;
 };
-
-inline canopen::Frame frame(std::uint32_t id, std::uint8_t content = 0) {
-  const std::array bytes{content};
-  return canopen::make_frame(id, bytes);
-}
 
 class TransmitQueueFixture : public ::testing::Test {
  protected:

@@ -148,5 +148,28 @@ TEST_F(PdoSetupTest, MappingAloneKeepsTheCobIdAsItWas) {
   EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
 }
 
+TEST_F(PdoSetupTest, MappingAloneEnablesWhatAnInterruptedSetUpLeftDisabled) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::assume;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0xC0000185);
+  slave_.set({0x1A00, 0}, DataType::u8, 0);
+  boot(settings);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
+}
+
+TEST_F(PdoSetupTest, MappingAloneEnablesAlsoWhereOnlyTheLastStepWasMissing) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::assume;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0xC0000185);
+  boot(settings);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}}));
+}
+
 }  // namespace
 }  // namespace canopen

@@ -129,6 +129,58 @@ TEST_F(SdoClientTest, OneAtATimeInOrder) {
   EXPECT_EQ(slave_.reads(), (std::vector<ObjectAddress>{{0x2000, 1}, {0x2000, 2}, {0x2000, 3}}));
 }
 
+TEST_F(SdoClientTest, CommandsGoBeforeReadsThatWait) {
+  slave_.set(kStatus, DataType::u16, 1);
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.delay_answers(10ms);
+  const auto first = read(kStatus, DataType::u16);
+  const auto second = read(kStatus, DataType::u16);
+  const auto writing = command(kCommand, 5);
+  const auto another = command(kCommand, 6);
+  loop_.advance(50ms);
+  ASSERT_TRUE(first.done() && second.done() && writing.done() && another.done());
+  const std::vector<Frame> heard = slave_.heard_on(0x605);
+  ASSERT_EQ(heard.size(), 4U);
+  EXPECT_EQ(heard[1].data[4], 5U);
+  EXPECT_EQ(heard[2].data[4], 6U);
+}
+
+TEST_F(SdoClientTest, ACommandGoesBetweenTheTriesOfARead) {
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.mute(kStatus);
+  const auto reading = read(kStatus, DataType::u16);
+  const auto behind = read(kCommand, DataType::u16);
+  loop_.advance(10ms);
+  const auto writing = command(kCommand, 5);
+  loop_.advance(500ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_TRUE(writing.get().has_value());
+  EXPECT_FALSE(behind.done()) << "among reads the order stays";
+  loop_.advance(1010ms);
+  ASSERT_TRUE(reading.done() && behind.done());
+  EXPECT_EQ(reading.get().error().kind, ErrorKind::timeout);
+  EXPECT_EQ(behind.get().value(), 5U);
+  EXPECT_EQ(slave_.reads().size(), 4U);
+}
+
+TEST_F(SdoClientTest, InterruptionWithdrawsACommandFromTheTransmitQueue) {
+  slave_.send(0x705, {5});  // The bus shows life.
+  loop_.advance(1ms);
+  wire_.withhold_echoes(true);
+  const Frame other = make_frame(0x606, Bytes{0x40, 0, 0, 0, 0, 0, 0, 0});
+  const auto blocking = support::spawn(loop_.executor(), bus_.send_command(other, Clock::now() + 50ms));
+  const auto writing = command(kCommand, 5);
+  loop_.settle();
+  client_->interrupt();
+  loop_.settle();
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
+  EXPECT_FALSE(writing.get().error().outcome_unknown);
+  wire_.withhold_echoes(false);
+  loop_.advance(1s);
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
 TEST_F(SdoClientTest, ForeignAndLateAnswersAreDropped) {
   // The answer to another client's request, a segment out of the blue, then ours.
   answer_with({{0x4B, 0x31, 0x20, 0x03, 9, 9, 0, 0},

@@ -72,7 +72,7 @@ TEST_F(StateSearchTest, AnSdoAnswerWithNothingElseMeansNotOperational) {
 TEST_F(StateSearchTest, OneGuardingRequestWithoutHeartbeat) {
   NodeSettings settings = bench_settings();
   settings.error_control.has_guarding = true;
-  settings.error_control.policy = SetupPolicy::assume;
+  settings.error_control.heartbeat = Duration::zero();
   running(settings);
   slave_.set(kHeartbeatTime, DataType::u16, 0);
   slave_.answer_guarding(true);
@@ -85,6 +85,43 @@ TEST_F(StateSearchTest, OneGuardingRequestWithoutHeartbeat) {
   EXPECT_EQ(status().nmt, NmtState::operational);
   EXPECT_TRUE(status().online);
   expect_untouched();
+}
+
+TEST_F(StateSearchTest, GuardingIsNoHeartbeat) {
+  NodeSettings settings = bench_settings();
+  settings.error_control.has_guarding = true;
+  settings.error_control.policy = SetupPolicy::assume;
+  running(settings);
+  slave_.set(kHeartbeatTime, DataType::u16, 0);
+  slave_.answer_guarding(true);
+  start(settings);
+  loop_.advance(4s);
+  EXPECT_EQ(status().boot_result, 'E') << status().boot_text;
+  EXPECT_NE(status().boot_text.find("guarding is not supported"), std::string::npos) << status().boot_text;
+  events_.statuses.clear();
+  loop_.advance(60s, 10ms);
+  EXPECT_TRUE(events_.statuses.empty()) << "nothing flaps";
+  EXPECT_TRUE(events_.arrivals.empty());
+  expect_untouched();
+  slave_.set(kHeartbeatTime, DataType::u16, 500);
+  EXPECT_TRUE(wait_online(10s));
+  EXPECT_EQ(status().boot_result, kBootOk);
+}
+
+TEST_F(StateSearchTest, KnownByGuardingAndLeftAloneNothingFlaps) {
+  NodeSettings settings = bench_settings();
+  settings.error_control.has_guarding = true;
+  running(settings);
+  slave_.set(kHeartbeatTime, DataType::u16, 0);
+  slave_.answer_guarding(true);
+  start(settings);
+  loop_.advance(3s);
+  expect_left_alone("0x1017:00 heartbeat time: expected 500, found 0");
+  events_.statuses.clear();
+  loop_.advance(60s, 10ms);
+  EXPECT_TRUE(events_.statuses.empty());
+  slave_.unplug(true);
+  EXPECT_TRUE(loop_.advance_until([this] { return status().lost; }, 10s));
 }
 
 TEST_F(StateSearchTest, NoGuardingRequestWhereAHeartbeatIsSet) {

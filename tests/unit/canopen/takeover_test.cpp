@@ -185,15 +185,18 @@ TEST_F(TakeoverTest, ReconfigureRunningLeavesAFittingDriveAlone) {
   expect_untouched();
 }
 
-TEST_F(TakeoverTest, LeftAloneUntilItLeavesOperational) {
+TEST_F(TakeoverTest, LeftAloneAlsoAfterItLeavesOperationalByItself) {
   running(bench_settings());
   slave_.set({0x1800, 5}, DataType::u16, 0);
   start(bench_settings());
   loop_.advance(1s);
   expect_left_alone("event timer");
-  slave_.set_state(127);  // Somebody else stopped it, or it rebooted unseen.
-  ASSERT_TRUE(wait_online());
-  EXPECT_EQ(slave_.value({0x1800, 5}), 100U);
+  slave_.set_state(127);
+  EXPECT_FALSE(wait_online(30s));
+  EXPECT_EQ(status().boot_result, 'J');
+  EXPECT_NE(status().boot_text.find("left operational by itself"), std::string::npos) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 5}), 0U);
+  expect_untouched();
 }
 
 TEST_F(TakeoverTest, LeftAloneUntilItsBootUp) {

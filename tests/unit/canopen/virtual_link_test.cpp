@@ -4,10 +4,13 @@
 
 #include <array>
 
+#include "tests/support/frame.h"
 #include "tests/support/hand_driven_loop.h"
 
 namespace canopen {
 namespace {
+
+using support::frame;
 
 class Plug final : public LinkEvents {
  public:
@@ -32,11 +35,6 @@ class Plug final : public LinkEvents {
   std::vector<BusCondition> states;
   std::function<void()> when_heard;
 };
-
-Frame frame(std::uint32_t id, std::uint8_t content = 0) {
-  const std::array bytes{content};
-  return make_frame(id, bytes);
-}
 
 class VirtualLinkTest : public ::testing::Test {
  protected:
