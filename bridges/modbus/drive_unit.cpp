@@ -40,7 +40,9 @@ void DriveUnit::on_values(std::span<const process::SignalId> signals) {
   for (const process::SignalId signal : signals) {
     show(signal);
   }
-  on_change();
+  // The clock is read once per batch of frames, not here.
+  const process::SourceState* const source = signals.empty() ? nullptr : drive().image().source_of(signals.front());
+  known_commands_.observe(drive(), source != nullptr ? source->at : canopen::Clock::now());
 }
 
 void DriveUnit::on_commanded(std::span<const process::SignalId> signals) {

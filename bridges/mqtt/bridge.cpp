@@ -15,7 +15,7 @@
 namespace mqtt {
 namespace {
 
-constexpr canopen::TimePoint kNever = canopen::TimePoint::max();
+using canopen::kNever;
 // Longer than the usual deadline of a command.
 constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
 

@@ -7,7 +7,7 @@ namespace mqtt {
 namespace {
 
 constexpr canopen::TimePoint kAtOnce = canopen::TimePoint::min();
-constexpr canopen::TimePoint kNever = canopen::TimePoint::max();
+using canopen::kNever;
 
 // A change of exactly the deadband is none, whatever the last bit of a double says.
 constexpr double kRounding = 1.0 + 1e-9;

@@ -6,7 +6,7 @@
 namespace mqtt {
 namespace {
 
-constexpr canopen::TimePoint kNever = canopen::TimePoint::max();
+using canopen::kNever;
 constexpr auto kEmcy = static_cast<std::size_t>(process::AlarmKind::emcy);
 
 }  // namespace

@@ -108,7 +108,7 @@ void Drive::Body::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, cano
     commands_.on_fault();
   }
   alarms_.on_emcy(emcy, at, wall);
-  watch_bits();
+  watch_bits(at);
 }
 
 void Drive::Body::on_frames_lost() {
@@ -175,7 +175,7 @@ void Drive::Body::void_commands(SourceId source) {
 
 void Drive::Body::tell_alarms(SourceId source) {
   if (is_from(fault_code_, source)) {
-    alarms_.on_fault_code(image_.raw(fault_code_->signal), canopen::wall_now());
+    alarms_.on_fault_code(image_.raw(fault_code_->signal), image_.sources()[source].wall);
   }
   tell_bit(fault_, config::Severity::fault, source);
   tell_bit(warning_, config::Severity::warning, source);
@@ -187,11 +187,11 @@ void Drive::Body::tell_bit(const std::optional<Indicator>& indicator, config::Se
   }
   const SourceState& state = image_.sources()[source];
   alarms_.on_bit(severity, image_.raw(indicator->signal) != 0, inputs_.period_of(source), state.at, state.wall);
-  watch_bits();
+  watch_bits(state.at);
 }
 
 /// An on-change TPDO says nothing while nothing changes, so it is read as long as a further value would tell more.
-void Drive::Body::watch_bits() {
+void Drive::Body::watch_bits(canopen::TimePoint now) {
   const auto undecided = [&](const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
     return is_from(indicator, source) && alarms_.emergencies().undecided(severity);
   };
@@ -200,7 +200,7 @@ void Drive::Body::watch_bits() {
       const SourceId source = (*indicator)->source;
       const bool wanted =
           undecided(fault_, config::Severity::fault, source) || undecided(warning_, config::Severity::warning, source);
-      inputs_.watch(source, wanted, canopen::Clock::now());
+      inputs_.watch(source, wanted, now);
     }
   }
 }

@@ -71,7 +71,7 @@ class Drive::Body final : private canopen::NodeEvents, private Inputs::Listener 
   void void_commands(SourceId source);
   void tell_alarms(SourceId source);
   void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
-  void watch_bits();
+  void watch_bits(canopen::TimePoint now);
   void arm_expiry();
   template <class Tell>
   void tell(Tell tell_one) const;

@@ -11,7 +11,7 @@ using canopen::TimePoint;
 
 /// An on-change TPDO is usually sent at the start by itself; reading at once would only double it.
 constexpr Duration kFirstRead = std::chrono::milliseconds(100);
-constexpr TimePoint kNever = TimePoint::max();
+using canopen::kNever;
 constexpr TimePoint kStale = TimePoint::min();
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr Duration kAbsentObject = std::chrono::seconds(60);
 /// One that does not answer keeps the SDO channel through all its tries, and commands wait behind it.
 constexpr Duration kSilentObject = std::chrono::seconds(10);
 
-constexpr TimePoint kNever = TimePoint::max();
+using canopen::kNever;
 
 bool is_absence(const canopen::Error& error) {
   // CiA 301 table 22: object, sub-index does not exist; no read access.
