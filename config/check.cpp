@@ -50,7 +50,7 @@ void Checker::tables(const Node& node, const Key& key, const std::string& path) 
     }
     const Node* const name = item.find("name");
     const bool named = name != nullptr && name->kind == NodeKind::text && find_key(*key.section, "name") != nullptr;
-    const std::string label = path + " " + (named ? quoted(name->text) : std::to_string(number));
+    const std::string label = path + " " + (named ? in_quotes(name->text) : std::to_string(number));
     Checker(complain_.where().empty() ? label : complain_.where() + ": " + label, complain_.report())
         .table(item, *key.section, "");
   }
@@ -62,10 +62,10 @@ void Checker::named(const Node& node, const Key& key, const std::string& path) {
   }
   for (const Entry& named : node.entries) {
     if (key.kind == KeyKind::signals && !is_signal_name(named.key)) {
-      complain_(named.key_place, "the signal name " + quoted(named.key) +
+      complain_(named.key_place, "the signal name " + in_quotes(named.key) +
                                      " must be lower case letters, digits and '_', beginning with a letter");
     } else if (key.kind == KeyKind::presets && !is_name(named.key)) {
-      complain_(named.key_place, "the name " + quoted(named.key) + " must be 1 to 32 letters, digits, '_' or '-'");
+      complain_(named.key_place, "the name " + in_quotes(named.key) + " must be 1 to 32 letters, digits, '_' or '-'");
     }
     const std::string below = path + "." + named.key.substr(0, 80);
     if (expect(named.value, NodeKind::table, below, complain_)) {
@@ -82,10 +82,10 @@ void Checker::numbered(const Node& node, const Key& key, const std::string& path
   for (const Entry& numbered : node.entries) {
     const auto number = parse_integer(numbered.key);
     if (!number.has_value() || *number < key.min || *number > key.max) {
-      complain_(numbered.key_place, path + " has the key " + quoted(numbered.key) + ", which is no number in " +
+      complain_(numbered.key_place, path + " has the key " + in_quotes(numbered.key) + ", which is no number in " +
                                         std::to_string(key.min) + ".." + std::to_string(key.max));
     } else if (!seen.insert(*number).second) {
-      complain_(numbered.key_place, path + " names the number " + quoted(numbered.key) + " twice");
+      complain_(numbered.key_place, path + " names the number " + in_quotes(numbered.key) + " twice");
     }
     const std::string below = path + "." + numbered.key.substr(0, 80);
     if (key.kind == KeyKind::faults && numbered.value.kind == NodeKind::table) {
@@ -139,8 +139,8 @@ void Checker::entry(const Entry& entry, const Section& section, const std::strin
   if (key == nullptr) {
     std::vector<std::string_view> names;
     collect_names(section, names);
-    complain_(entry.key_place, "unknown key " + quoted(path + entry.key) + "; nearest is " +
-                                   quoted(path + std::string(nearest(entry.key, names))));
+    complain_(entry.key_place, "unknown key " + in_quotes(path + entry.key) + "; nearest is " +
+                                   in_quotes(path + std::string(nearest(entry.key, names))));
     return;
   }
   const std::string full = path + entry.key;

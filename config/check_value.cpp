@@ -65,10 +65,10 @@ void ValueCheck::duration(const Node& node, const Key& key) {
   }
   const auto duration = parse_duration(node.text);
   if (!duration.has_value()) {
-    complain_(node.place, path_ + " " + quoted(node.text) +
+    complain_(node.place, path_ + " " + in_quotes(node.text) +
                               " is no duration; write a number with us, ms, s, min or h, " + "such as \"500ms\"");
   } else if (duration->count() < key.min || duration->count() > key.max) {
-    complain_(node.place, path_ + " " + quoted(node.text) + " is out of range " + to_text(canopen::Duration(key.min)) +
+    complain_(node.place, path_ + " " + in_quotes(node.text) + " is out of range " + to_text(canopen::Duration(key.min)) +
                               ".." + to_text(canopen::Duration(key.max)));
   }
 }
@@ -80,13 +80,13 @@ void ValueCheck::choice(const Node& node, const Key& key) {
   const auto choices = parts_of(key.choices);
   if (std::find(choices.begin(), choices.end(), node.text) == choices.end()) {
     complain_(node.place,
-              path_ + " " + quoted(node.text) + " is not known; nearest is " + quoted(nearest(node.text, choices)));
+              path_ + " " + in_quotes(node.text) + " is not known; nearest is " + in_quotes(nearest(node.text, choices)));
   }
 }
 
 void ValueCheck::notation(const Node& node, bool good, std::string_view form) {
   if (!good) {
-    complain_(node.place, path_ + " " + quoted(node.text) + " must be " + std::string(form));
+    complain_(node.place, path_ + " " + in_quotes(node.text) + " must be " + std::string(form));
   }
 }
 
@@ -188,7 +188,7 @@ void Complaint::operator()(Place place, const std::string& text) const {
   report_.error(place, where_.empty() ? text : where_ + ": " + text);
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 80;
   return "\"" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "…\"" : "\"");
 }
@@ -213,7 +213,7 @@ void check_default_only(const Node& node, const Key& key, const std::string& pat
   const bool is_default = key.kind == KeyKind::duration ? parse_duration(node.text) == parse_duration(key.standard)
                                                         : node.text == key.standard;
   if (!is_default) {
-    complain(node.place, path + " = " + quoted(node.text) + " is not supported by this version; only \"" +
+    complain(node.place, path + " = " + in_quotes(node.text) + " is not supported by this version; only \"" +
                              std::string(key.standard) + "\" is");
   }
 }

@@ -27,7 +27,7 @@ class Complaint {
 };
 
 /// In quotation marks, and cut where it is long.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 /// True, or a complaint that `path` is of another kind.
 bool expect(const Node& node, NodeKind kind, const std::string& path, const Complaint& complain);

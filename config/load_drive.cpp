@@ -14,10 +14,6 @@ std::string in_quotes(Duration duration) {
   return std::string("\"").append(to_text(duration)).append("\"");
 }
 
-bool whole_milliseconds(Duration duration) {
-  return duration % std::chrono::milliseconds(1) == Duration::zero();
-}
-
 void read_unit(DriveDraft& draft) {
   const Node* const unit = draft.site.find("unit");
   if (unit == nullptr) {

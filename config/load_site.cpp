@@ -18,10 +18,6 @@ std::string from_host_name(const std::string& host_name) {
   return name;
 }
 
-bool whole_milliseconds(canopen::Duration duration) {
-  return duration % std::chrono::milliseconds(1) == canopen::Duration::zero();
-}
-
 bool is_interface(const std::string& name) {
   return !name.empty() && name.size() <= kLongestInterface && name != "." && name != ".." &&
          std::all_of(name.begin(), name.end(),

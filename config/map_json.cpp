@@ -10,7 +10,7 @@
 namespace config {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string json_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -27,11 +27,11 @@ std::string quoted(std::string_view text) {
   return out + "\"";
 }
 
-std::string quoted_or_null(const std::optional<std::string>& text) {
-  return text.has_value() ? quoted(*text) : "null";
+std::string json_text_or_null(const std::optional<std::string>& text) {
+  return text.has_value() ? json_text(*text) : "null";
 }
 
-std::string number_of(const std::optional<double>& number) {
+std::string json_number(const std::optional<double>& number) {
   return number.has_value() ? to_text(*number) : "null";
 }
 
@@ -41,12 +41,12 @@ std::string values_of(const Signal& signal) {
   }
   std::string out;
   for (const auto& [number, name] : signal.values) {
-    out += (out.empty() ? "{" : ", ") + quoted(std::to_string(number)) + ": " + quoted(name);
+    out += (out.empty() ? "{" : ", ") + json_text(std::to_string(number)) + ": " + json_text(name);
   }
   return out + "}";
 }
 
-std::string modbus_of(const Drive& drive, const ModbusPlace& place) {
+std::string json_modbus(const Drive& drive, const ModbusPlace& place) {
   if (!drive.unit.has_value() || place.kind == ModbusKind::none) {
     return "null";
   }
@@ -55,14 +55,14 @@ std::string modbus_of(const Drive& drive, const ModbusPlace& place) {
 }
 
 std::string signal_of(const Model& model, const Drive& drive, const Signal& signal) {
-  return "{\"name\": " + quoted(signal.name) + ", \"object\": " + quoted(canopen::to_string(signal.object)) +
-         ", \"type\": " + quoted(canopen::name_of(signal.type)) + ", \"scale\": " + to_text(signal.scale) +
-         ", \"unit\": " + quoted(signal.unit) + ", \"access\": " + quoted(name_of(signal.access)) +
-         ", \"source\": " + quoted(to_string(signal.source)) + ", \"min\": " + number_of(signal.min) +
-         ", \"max\": " + number_of(signal.max) + ", \"values\": " + values_of(signal) +
-         ", \"modbus\": " + modbus_of(drive, signal.modbus) +
-         ", \"mqtt\": {\"topic\": " + quoted_or_null(value_topic(model, drive, signal)) +
-         ", \"set\": " + quoted_or_null(set_topic(model, drive, signal)) + "}}";
+  return "{\"name\": " + json_text(signal.name) + ", \"object\": " + json_text(canopen::to_string(signal.object)) +
+         ", \"type\": " + json_text(canopen::name_of(signal.type)) + ", \"scale\": " + to_text(signal.scale) +
+         ", \"unit\": " + json_text(signal.unit) + ", \"access\": " + json_text(name_of(signal.access)) +
+         ", \"source\": " + json_text(to_string(signal.source)) + ", \"min\": " + json_number(signal.min) +
+         ", \"max\": " + json_number(signal.max) + ", \"values\": " + values_of(signal) +
+         ", \"modbus\": " + json_modbus(drive, signal.modbus) +
+         ", \"mqtt\": {\"topic\": " + json_text_or_null(value_topic(model, drive, signal)) +
+         ", \"set\": " + json_text_or_null(set_topic(model, drive, signal)) + "}}";
 }
 
 std::string topic_of(const Model& model, const Drive& drive, const Signal& signal) {
@@ -82,14 +82,14 @@ std::optional<std::string> set_topic(const Model& model, const Drive& drive, con
 
 std::string render_map_json(const Model& model) {
   std::string out =
-      "{\"gateway\": " + quoted(model.gateway.name) + ", \"base\": " + quoted(base_topic(model)) + ",\n \"drives\": [";
+      "{\"gateway\": " + json_text(model.gateway.name) + ", \"base\": " + json_text(base_topic(model)) + ",\n \"drives\": [";
   bool first_drive = true;
   for (const Drive& drive : model.drives) {
     const std::string bus = drive.bus < model.buses.size() ? model.buses[drive.bus].name : "";
     out += first_drive ? "" : ",\n  ";
     first_drive = false;
-    out += "{\"name\": " + quoted(drive.name) + ", \"bus\": " + quoted(bus) +
-           ", \"node\": " + std::to_string(drive.node.node) + ", \"profile\": " + quoted(drive.profile) +
+    out += "{\"name\": " + json_text(drive.name) + ", \"bus\": " + json_text(bus) +
+           ", \"node\": " + std::to_string(drive.node.node) + ", \"profile\": " + json_text(drive.profile) +
            ", \"modbus_unit\": " + (drive.unit.has_value() ? std::to_string(*drive.unit) : "null") +
            ",\n   \"signals\": [";
     bool first_signal = true;

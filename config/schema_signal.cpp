@@ -1,16 +1,11 @@
 #include <array>
-#include <chrono>
-#include <limits>
 
-#include "canopen/clock.h"
 #include "config/schema.h"
+#include "config/schema_limits.h"
 
 namespace config {
 namespace {
 
-constexpr std::int64_t kMs = canopen::Duration(std::chrono::milliseconds(1)).count();
-constexpr std::int64_t kMaxInteger = std::numeric_limits<std::int64_t>::max();
-constexpr std::int64_t kMinInteger = std::numeric_limits<std::int64_t>::min();
 
 constexpr std::array kSignalKeys{
     Key{.name = "enabled",

@@ -74,6 +74,10 @@ std::string to_text(canopen::Duration duration) {
   return to_text(static_cast<double>(duration.count()) / 1000.0) + "us";
 }
 
+bool whole_milliseconds(canopen::Duration duration) noexcept {
+  return duration % std::chrono::milliseconds(1) == canopen::Duration::zero();
+}
+
 std::optional<std::int64_t> parse_integer(std::string_view text) {
   const bool negative = text.starts_with('-');
   std::string_view digits = negative ? text.substr(1) : text;

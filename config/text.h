@@ -18,6 +18,9 @@ namespace config {
 /// The shortest of these notations without a fraction where one exists: `500ms`, `90s`, `10min`.
 [[nodiscard]] std::string to_text(canopen::Duration duration);
 
+/// What the objects of CiA 301 that hold a time in milliseconds can say.
+[[nodiscard]] bool whole_milliseconds(canopen::Duration duration) noexcept;
+
 /// Decimal or 0x…; the whole text must be a number.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The shortest decimal text that reads back as the same number, never with an exponent below 1e15: `0.01`, `50`.

@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string kOwn = R"(title = "t"
+const std::string kMapped = R"(title = "t"
 [tpdo1]
 map = ["0x2021:02 u16"]
 [signals.output_frequency]
@@ -25,7 +25,7 @@ unit = "Hz"
 Model line3(const std::string& more = "") {
   return model_of(
       "[gateway]\nname = \"line3\"\n" + kBus + "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"own\"\n" + more,
-      kOwn);
+      kMapped);
 }
 
 /// The text without the white space between its parts.

@@ -12,7 +12,7 @@ using canopen::SetupPolicy;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-const std::string kOwn = R"(title = "a drive of the test"
+const std::string kThreeObjects = R"(title = "a drive of the test"
 [tpdo1]
 map = ["0x2000:01 u16"]
 [rpdo1]
@@ -30,16 +30,16 @@ type = "i16"
 access = "write"
 )";
 
-std::string site(std::string_view more, std::string_view bus = "") {
+std::string pdo_site(std::string_view more, std::string_view bus = "") {
   return kBus + std::string(bus) + "[[drive]]\nname = \"a\"\nnode = 1\nprofile = \"own\"\n" + std::string(more);
 }
 
 canopen::NodeSettings node_with(std::string_view more, std::string_view bus = "") {
-  return model_of(site(more, bus), kOwn).drives.at(0).node;
+  return model_of(pdo_site(more, bus), kThreeObjects).drives.at(0).node;
 }
 
-std::string error_with(std::string_view more) {
-  return error_of(site(more), kOwn);
+std::string pdo_error_with(std::string_view more) {
+  return error_of(pdo_site(more), kThreeObjects);
 }
 
 TEST(Pdos, HaveThePredefinedCobIds) {
@@ -80,41 +80,41 @@ TEST(Pdos, KnowTheirPeriod) {
 }
 
 TEST(Pdos, RefuseWhatCannotWork) {
-  EXPECT_THAT(error_with("tpdo1 = { transmission_type = 1 }\n"),
+  EXPECT_THAT(pdo_error_with("tpdo1 = { transmission_type = 1 }\n"),
               HasSubstr("tpdo1: transmission type 1 needs SYNC; set sync of bus \"can0\""));
-  EXPECT_THAT(error_with("tpdo1 = { transmission_type = 252 }\n"), HasSubstr("use 0..240, 254 or 255"));
-  EXPECT_THAT(error_with("tpdo1 = { cob_id = 0x601 }\n"), HasSubstr("COB-ID 0x0601 is reserved by CiA 301"));
-  EXPECT_THAT(error_with("tpdo1 = { cob_id = 0x80 }\n"), HasSubstr("is reserved"));
-  EXPECT_THAT(error_with("tpdo1 = { cob_id = 0x201 }\n"), HasSubstr("rpdo1 has the COB-ID 0x0201 of tpdo1"));
-  EXPECT_THAT(error_with("tpdo1 = { inhibit_time = \"50us\" }\n"), HasSubstr("must be a multiple of 100us"));
-  EXPECT_THAT(error_with("tpdo1 = { event_timer = \"1500us\" }\n"), HasSubstr("must be a multiple of 1ms"));
-  EXPECT_THAT(error_with("tpdo1 = { unused = [\"status_word\"] }\n"), HasSubstr("unused is for RPDOs"));
-  EXPECT_THAT(error_with("tpdo5 = { map = [\"0x2000:09 u16\"] }\n"), HasSubstr("tpdo5: cob_id is missing"));
-  EXPECT_THAT(error_with("tpdo2 = { map = [] }\n"), HasSubstr("tpdo2: map is missing"));
-  EXPECT_THAT(error_with("tpdo2 = { map = [\"0x2000:09\"] }\n"), HasSubstr("tpdo2.map"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { transmission_type = 252 }\n"), HasSubstr("use 0..240, 254 or 255"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { cob_id = 0x601 }\n"), HasSubstr("COB-ID 0x0601 is reserved by CiA 301"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { cob_id = 0x80 }\n"), HasSubstr("is reserved"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { cob_id = 0x201 }\n"), HasSubstr("rpdo1 has the COB-ID 0x0201 of tpdo1"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { inhibit_time = \"50us\" }\n"), HasSubstr("must be a multiple of 100us"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { event_timer = \"1500us\" }\n"), HasSubstr("must be a multiple of 1ms"));
+  EXPECT_THAT(pdo_error_with("tpdo1 = { unused = [\"status_word\"] }\n"), HasSubstr("unused is for RPDOs"));
+  EXPECT_THAT(pdo_error_with("tpdo5 = { map = [\"0x2000:09 u16\"] }\n"), HasSubstr("tpdo5: cob_id is missing"));
+  EXPECT_THAT(pdo_error_with("tpdo2 = { map = [] }\n"), HasSubstr("tpdo2: map is missing"));
+  EXPECT_THAT(pdo_error_with("tpdo2 = { map = [\"0x2000:09\"] }\n"), HasSubstr("tpdo2.map"));
 }
 
 TEST(Pdos, HoldSixtyFourBits) {
   EXPECT_THAT(
-      error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:02 u32\", \"0x2000:03 u16\", \"0x2000:04 bool\"] "
+      pdo_error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:02 u32\", \"0x2000:03 u16\", \"0x2000:04 bool\"] "
                  "}\n"),
       HasSubstr("7:17: error: drive \"a\": tpdo1: map has 65 bits; a PDO holds 64"));
 }
 
 TEST(Pdos, MapAnObjectWithTheLengthOfItsSignal) {
-  EXPECT_THAT(error_with("tpdo1 = { map = [\"0x2000:01 u32\"] }\n"),
+  EXPECT_THAT(pdo_error_with("tpdo1 = { map = [\"0x2000:01 u32\"] }\n"),
               HasSubstr("signal \"status_word\" is u16, but tpdo1 maps its object with 32 bits"));
 }
 
 TEST(Pdos, ServeSignalsTheRightWayRound) {
-  EXPECT_THAT(error_with("[drive.signals.status_word]\nsource = \"tpdo2\"\n"),
+  EXPECT_THAT(pdo_error_with("[drive.signals.status_word]\nsource = \"tpdo2\"\n"),
               HasSubstr("has the source \"tpdo2\", which does not map 0x2000:01"));
-  EXPECT_THAT(error_with("[drive.signals.status_word]\naccess = \"write\"\nsource = \"tpdo1\"\n"),
+  EXPECT_THAT(pdo_error_with("[drive.signals.status_word]\naccess = \"write\"\nsource = \"tpdo1\"\n"),
               HasSubstr("comes in tpdo1, so access must be"));
-  EXPECT_THAT(error_with("[drive.signals.target_velocity]\naccess = \"read-write\"\n"),
+  EXPECT_THAT(pdo_error_with("[drive.signals.target_velocity]\naccess = \"read-write\"\n"),
               HasSubstr("is mapped in rpdo1, which cannot be read back"));
   EXPECT_THAT(
-      error_with("[drive.signals.second]\nobject = \"0x2001:02\"\ntype = \"i16\"\naccess = \"write\"\naddress = "
+      pdo_error_with("[drive.signals.second]\nobject = \"0x2001:02\"\ntype = \"i16\"\naccess = \"write\"\naddress = "
                  "300\n"),
       HasSubstr("writes 0x2001:02, as \""));
 }
@@ -134,12 +134,12 @@ TEST(RpdoFields, AreCommandedUnusedOrUnnamed) {
               testing::ElementsAre(FieldUse::commanded, FieldUse::unused, FieldUse::unused));
   EXPECT_THAT(uses(node_with("[drive.signals.target_velocity]\nsource = \"sdo\"\n")),
               testing::ElementsAre(FieldUse::commanded, FieldUse::unnamed, FieldUse::unused));
-  EXPECT_THAT(error_with("rpdo1 = { unused = [\"status_word\"] }\n"),
+  EXPECT_THAT(pdo_error_with("rpdo1 = { unused = [\"status_word\"] }\n"),
               HasSubstr("rpdo1: unused \"status_word\" is no field of it"));
 }
 
 TEST(RpdoFields, DeclaredUnusedAreNoSignalAnyMore) {
-  const Model model = model_of(site("rpdo1 = { unused = [\"target_velocity\"] }\n"), kOwn);
+  const Model model = model_of(pdo_site("rpdo1 = { unused = [\"target_velocity\"] }\n"), kThreeObjects);
   EXPECT_EQ(model.drives.at(0).find("target_velocity"), std::nullopt);
 }
 

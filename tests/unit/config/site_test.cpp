@@ -14,7 +14,7 @@ using std::chrono::minutes;
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-TEST(Defaults, AreThoseOfTheContract) {
+TEST(Defaults, AreThoseOfTheManual) {
   const Model model = model_of(kBus + kDrive + "[modbus]\n[mqtt]\n");
   EXPECT_EQ(model.gateway.name, "host");
   ASSERT_EQ(model.buses.size(), 1U);

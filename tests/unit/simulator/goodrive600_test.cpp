@@ -5,7 +5,7 @@
 namespace simulator {
 namespace {
 
-constexpr std::uint8_t kNode = 3;
+constexpr std::uint8_t kHoist = 3;
 
 class Goodrive : public ::testing::Test {
  protected:
@@ -15,18 +15,18 @@ class Goodrive : public ::testing::Test {
                        0, 0, 0});
   }
   double hertz() { return bench.drive().motor().output_hz(); }
-  std::uint32_t status() { return *bench.read(kNode, 0x2001, 0); }
+  std::uint32_t status() { return *bench.read(kHoist, 0x2001, 0); }
 
-  OneDrive bench{"invt-goodrive600", kNode};
+  OneDrive bench{"invt-goodrive600", kHoist};
 };
 
 TEST_F(Goodrive, ShowsNoIdentity) {
-  EXPECT_EQ(bench.read(kNode, 0x1000, 0), 0U);
-  EXPECT_EQ(bench.read(kNode, 0x1018, 0), 4U);
-  EXPECT_EQ(bench.read(kNode, 0x1018, 1), 0U);
-  EXPECT_EQ(bench.read(kNode, 0x1018, 4), 0U);
-  EXPECT_EQ(bench.read_abort(kNode, 0x1008, 0), 0x06020000U);
-  EXPECT_EQ(bench.read_abort(kNode, 0x1016, 0), 0x06020000U);
+  EXPECT_EQ(bench.read(kHoist, 0x1000, 0), 0U);
+  EXPECT_EQ(bench.read(kHoist, 0x1018, 0), 4U);
+  EXPECT_EQ(bench.read(kHoist, 0x1018, 1), 0U);
+  EXPECT_EQ(bench.read(kHoist, 0x1018, 4), 0U);
+  EXPECT_EQ(bench.read_abort(kHoist, 0x1008, 0), 0x06020000U);
+  EXPECT_EQ(bench.read_abort(kHoist, 0x1016, 0), 0x06020000U);
 }
 
 TEST_F(Goodrive, ControlWordIsACode) {
@@ -69,14 +69,14 @@ TEST_F(Goodrive, ReturnsAreWhatTheDriveWasToldToSend) {
   EXPECT_EQ(word_at(*tpdo2, 2), 2500U);
   EXPECT_EQ(word_at(*tpdo2, 4), 2500U);
   EXPECT_NEAR(word_at(*tpdo2, 6), 3070, 50);
-  EXPECT_EQ(bench.read(kNode, 0x2000, 5), word_at(*tpdo2, 6));
-  EXPECT_EQ(bench.read(kNode, 0x2000, 6), 0U);  // return 4 is not assigned
+  EXPECT_EQ(bench.read(kHoist, 0x2000, 5), word_at(*tpdo2, 6));
+  EXPECT_EQ(bench.read(kHoist, 0x2000, 6), 0U);  // return 4 is not assigned
 }
 
 TEST_F(Goodrive, EveryReturnCanBeChosen) {
   const auto choose = [&](std::uint8_t meaning) {
     bench.send(0x203, {2, 0, 0x0D, 0x0F, meaning, 0});
-    return *bench.read(kNode, 0x2000, 3);
+    return *bench.read(kHoist, 0x2000, 3);
   };
   bench.start();
   bench.drive().fault(1);
@@ -87,18 +87,18 @@ TEST_F(Goodrive, EveryReturnCanBeChosen) {
   EXPECT_EQ(choose(0), 0U);
   DriveOptions options;
   options.goodrive_returns = {4, 5, 6, 7, 8, 10, 1, 2};
-  OneDrive other("invt-goodrive600", kNode, options);
-  ASSERT_EQ(other.write(kNode, 0x2100, 3, 2500, 2), 0U);
-  ASSERT_EQ(other.write(kNode, 0x2101, 0, 2, 2), 0U);
+  OneDrive other("invt-goodrive600", kHoist, options);
+  ASSERT_EQ(other.write(kHoist, 0x2100, 3, 2500, 2), 0U);
+  ASSERT_EQ(other.write(kHoist, 0x2101, 0, 2, 2), 0U);
   other.advance(seconds(4));
-  EXPECT_EQ(other.read(kNode, 0x2000, 3), 110U);     // V
-  EXPECT_GT(*other.read(kNode, 0x2000, 4), 30U);     // 0.1 A
-  EXPECT_EQ(other.read(kNode, 0x2000, 5), 0xFF38U);  // -20.0 % = -(5 + 60/4)
-  EXPECT_EQ(other.read(kNode, 0x2000, 6), 100U);     // 0.1 %
-  EXPECT_EQ(other.read(kNode, 0x2000, 7), 750U);     // rpm
-  EXPECT_EQ(other.read(kNode, 0x2000, 8), 2500U);
-  EXPECT_EQ(other.read(kNode, 0x2000, 9), 2500U);
-  EXPECT_EQ(other.read(kNode, 0x2000, 10), 2500U);
+  EXPECT_EQ(other.read(kHoist, 0x2000, 3), 110U);     // V
+  EXPECT_GT(*other.read(kHoist, 0x2000, 4), 30U);     // 0.1 A
+  EXPECT_EQ(other.read(kHoist, 0x2000, 5), 0xFF38U);  // -20.0 % = -(5 + 60/4)
+  EXPECT_EQ(other.read(kHoist, 0x2000, 6), 100U);     // 0.1 %
+  EXPECT_EQ(other.read(kHoist, 0x2000, 7), 750U);     // rpm
+  EXPECT_EQ(other.read(kHoist, 0x2000, 8), 2500U);
+  EXPECT_EQ(other.read(kHoist, 0x2000, 9), 2500U);
+  EXPECT_EQ(other.read(kHoist, 0x2000, 10), 2500U);
 }
 
 TEST_F(Goodrive, AFaultIsResetByCodeSeven) {
@@ -151,16 +151,16 @@ TEST_F(Goodrive, TheParameterChannelRefusesWithItsCodes) {
 }
 
 TEST_F(Goodrive, TpdoOneKnowsOnlyItsOwnType) {
-  EXPECT_EQ(bench.write(kNode, 0x1800, 2, 254, 1), 0x06090030U);
-  EXPECT_EQ(bench.write(kNode, 0x1800, 5, 100, 2), 0x06090030U);
-  EXPECT_EQ(bench.write(kNode, 0x1801, 2, 0, 1), 0x06090030U);
-  EXPECT_EQ(bench.write(kNode, 0x1801, 2, 252, 1), 0x06090030U);
-  EXPECT_EQ(bench.write(kNode, 0x1A01, 1, 0x20000310, 4), 0x06010002U);
-  EXPECT_EQ(bench.read(kNode, 0x1A01, 1), 0x20010010U);
+  EXPECT_EQ(bench.write(kHoist, 0x1800, 2, 254, 1), 0x06090030U);
+  EXPECT_EQ(bench.write(kHoist, 0x1800, 5, 100, 2), 0x06090030U);
+  EXPECT_EQ(bench.write(kHoist, 0x1801, 2, 0, 1), 0x06090030U);
+  EXPECT_EQ(bench.write(kHoist, 0x1801, 2, 252, 1), 0x06090030U);
+  EXPECT_EQ(bench.write(kHoist, 0x1A01, 1, 0x20000310, 4), 0x06010002U);
+  EXPECT_EQ(bench.read(kHoist, 0x1A01, 1), 0x20010010U);
 }
 
 TEST_F(Goodrive, TypeTwoFiveFourIsPeriodicOrOnChange) {
-  ASSERT_EQ(bench.write(kNode, 0x1801, 3, 0, 2), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1801, 3, 0, 2), 0U);
   bench.start();
   EXPECT_EQ(bench.take(0x283).size(), 1U);
   bench.advance(seconds(1));
@@ -171,15 +171,15 @@ TEST_F(Goodrive, TypeTwoFiveFourIsPeriodicOrOnChange) {
   const auto count = bench.take(0x283).size();
   EXPECT_GE(count, 9U);
   EXPECT_LE(count, 11U);
-  ASSERT_EQ(bench.write(kNode, 0x1801, 5, 200, 2), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1801, 5, 200, 2), 0U);
   bench.take(0x283);
   bench.advance(seconds(2));
   EXPECT_EQ(bench.take(0x283).size(), 10U);
 }
 
 TEST_F(Goodrive, TypeTwoFiveFiveAnswersItsRpdo) {
-  ASSERT_EQ(bench.write(kNode, 0x1801, 2, 255, 1), 0U);
-  ASSERT_EQ(bench.write(kNode, 0x1801, 3, 0, 2), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1801, 2, 255, 1), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1801, 3, 0, 2), 0U);
   bench.start();
   bench.advance(seconds(1));
   EXPECT_TRUE(bench.take(0x283).empty());
@@ -192,7 +192,7 @@ TEST_F(Goodrive, TypeTwoFiveFiveAnswersItsRpdo) {
 }
 
 TEST_F(Goodrive, SynchronousTypesCountSyncs) {
-  ASSERT_EQ(bench.write(kNode, 0x1802, 2, 3, 1), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1802, 2, 3, 1), 0U);
   bench.start();
   bench.take(0x383);
   for (int i = 1; i <= 9; ++i) {
@@ -204,13 +204,13 @@ TEST_F(Goodrive, SynchronousTypesCountSyncs) {
 }
 
 TEST_F(Goodrive, CommunicationSettingsAreLostWithoutPower) {
-  ASSERT_EQ(bench.write(kNode, 0x1801, 5, 200, 2), 0U);
-  ASSERT_EQ(bench.write(kNode, 0x1801, 1, 0x80000283U, 4), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1801, 5, 200, 2), 0U);
+  ASSERT_EQ(bench.write(kHoist, 0x1801, 1, 0x80000283U, 4), 0U);
   bench.drive().reboot();
   bench.advance(seconds(1));
-  EXPECT_EQ(bench.read(kNode, 0x1801, 5), 0U);
-  EXPECT_EQ(bench.read(kNode, 0x1801, 1), 0x283U);
-  EXPECT_EQ(bench.read(kNode, 0x1801, 3), 1000U);
+  EXPECT_EQ(bench.read(kHoist, 0x1801, 5), 0U);
+  EXPECT_EQ(bench.read(kHoist, 0x1801, 1), 0x283U);
+  EXPECT_EQ(bench.read(kHoist, 0x1801, 3), 1000U);
 }
 
 }  // namespace

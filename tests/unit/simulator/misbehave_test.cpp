@@ -7,18 +7,18 @@
 namespace simulator {
 namespace {
 
-constexpr std::uint8_t kNode = 6;
-constexpr std::uint32_t kAnswer = 0x580U + kNode;
+constexpr std::uint8_t kUnruly = 6;
+constexpr std::uint32_t kAnswer = 0x580U + kUnruly;
 
 class MisbehaveTest : public ::testing::Test {
  protected:
-  MisbehaveTest() : bench("vacon-opte6", kNode, with_heartbeat()) {}
+  MisbehaveTest() : bench("vacon-opte6", kUnruly, with_heartbeat()) {}
   static DriveOptions with_heartbeat() {
     DriveOptions options;
     options.heartbeat_ms = 100;
     return options;
   }
-  std::optional<canopen::Frame> read_device_type() { return bench.sdo(kNode, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0}); }
+  std::optional<canopen::Frame> read_device_type() { return bench.sdo(kUnruly, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0}); }
   Misbehaviour& misbehave() { return bench.drive().misbehaviour(); }
 
   OneDrive bench;
@@ -50,7 +50,7 @@ TEST_F(MisbehaveTest, HeartbeatsStopAloneAndBootUpsGoMissing) {
   EXPECT_TRUE(bench.heard.empty());
   EXPECT_TRUE(read_device_type().has_value());
   misbehave().boot_up_missing = true;
-  bench.nmt(0x81, kNode);
+  bench.nmt(0x81, kUnruly);
   EXPECT_TRUE(bench.heard.empty());
 }
 
@@ -75,7 +75,7 @@ TEST_F(MisbehaveTest, SlowAnswersComeLateAndInOrder) {
 TEST_F(MisbehaveTest, LateAnswersDieWithTheDrive) {
   misbehave().sdo_delay = milliseconds(200);
   EXPECT_FALSE(read_device_type().has_value());
-  bench.nmt(0x82, kNode);
+  bench.nmt(0x82, kUnruly);
   bench.advance(seconds(1));
   EXPECT_TRUE(bench.take(kAnswer).empty());
 }
@@ -92,7 +92,7 @@ TEST_F(MisbehaveTest, ASlowDriveHoldsABoundedNumberOfAnswers) {
 TEST_F(MisbehaveTest, NoLateAnswerInStopped) {
   misbehave().sdo_delay = milliseconds(200);
   EXPECT_FALSE(read_device_type().has_value());
-  bench.nmt(0x02, kNode);
+  bench.nmt(0x02, kUnruly);
   bench.advance(seconds(1));
   EXPECT_TRUE(bench.take(kAnswer).empty());
 }
@@ -125,15 +125,15 @@ TEST_F(MisbehaveTest, FlawsCanBeCounted) {
 
 TEST_F(MisbehaveTest, WrongToggleMeetsSegmentsOnly) {
   misbehave().sdo_flaw = SdoFlaw::wrong_toggle;
-  EXPECT_EQ(bench.sdo(kNode, {0x40, 0x08, 0x10, 0, 0, 0, 0, 0})->data[0], 0x41);
-  EXPECT_EQ(bench.sdo(kNode, {0x60, 0, 0, 0, 0, 0, 0, 0})->data[0], 0x10);
+  EXPECT_EQ(bench.sdo(kUnruly, {0x40, 0x08, 0x10, 0, 0, 0, 0, 0})->data[0], 0x41);
+  EXPECT_EQ(bench.sdo(kUnruly, {0x60, 0, 0, 0, 0, 0, 0, 0})->data[0], 0x10);
 }
 
 TEST_F(MisbehaveTest, AnswersCutShort) {
   misbehave().sdo_short = true;
-  EXPECT_EQ(bench.sdo(kNode, {0x40, 0x17, 0x10, 0, 0, 0, 0, 0}), frame(kAnswer, {0x4B, 0x17, 0x10, 0, 100, 0}));
-  EXPECT_EQ(bench.sdo(kNode, {0x2B, 0x17, 0x10, 0, 100, 0, 0, 0}), frame(kAnswer, {0x60, 0x17, 0x10, 0}));
-  EXPECT_EQ(bench.sdo(kNode, {0x40, 0x34, 0x12, 0, 0, 0, 0, 0})->size, 8);
+  EXPECT_EQ(bench.sdo(kUnruly, {0x40, 0x17, 0x10, 0, 0, 0, 0, 0}), frame(kAnswer, {0x4B, 0x17, 0x10, 0, 100, 0}));
+  EXPECT_EQ(bench.sdo(kUnruly, {0x2B, 0x17, 0x10, 0, 100, 0, 0, 0}), frame(kAnswer, {0x60, 0x17, 0x10, 0}));
+  EXPECT_EQ(bench.sdo(kUnruly, {0x40, 0x34, 0x12, 0, 0, 0, 0, 0})->size, 8);
 }
 
 TEST_F(MisbehaveTest, FramesOfAWrongLength) {
@@ -150,7 +150,7 @@ TEST_F(MisbehaveTest, FramesOfAWrongLength) {
 }
 
 TEST_F(MisbehaveTest, TpdosOfAWrongLength) {
-  OneDrive veichi("veichi-ac300", kNode);
+  OneDrive veichi("veichi-ac300", kUnruly);
   veichi.drive().misbehaviour().tpdo_length = 5;
   veichi.start();
   EXPECT_EQ(veichi.last(0x186)->size, 5);

@@ -6,28 +6,28 @@
 namespace simulator {
 namespace {
 
-constexpr std::uint8_t kNode = 10;
+constexpr std::uint8_t kMapped = 10;
 constexpr std::uint32_t kTpdo = 0x18A;
 constexpr std::uint32_t kRpdo = 0x20A;
 
 class PdoTest : public ::testing::Test {
  protected:
-  PdoTest() { EXPECT_EQ(bench.write(kNode, 0x1801, 1, 0x8000028AU, 4), 0U); }
+  PdoTest() { EXPECT_EQ(bench.write(kMapped, 0x1801, 1, 0x8000028AU, 4), 0U); }
 
   void set_tpdo(std::uint8_t type, std::uint16_t inhibit = 0, std::uint16_t event = 0, std::uint8_t start = 0) {
-    ASSERT_EQ(bench.write(kNode, 0x1800, 1, 0x80000000U | kTpdo, 4), 0U);
-    ASSERT_EQ(bench.write(kNode, 0x1800, 2, type, 1), 0U);
-    ASSERT_EQ(bench.write(kNode, 0x1800, 3, inhibit, 2), 0U);
-    ASSERT_EQ(bench.write(kNode, 0x1800, 5, event, 2), 0U);
-    ASSERT_EQ(bench.write(kNode, 0x1800, 6, start, 1), 0U);
-    ASSERT_EQ(bench.write(kNode, 0x1800, 1, kTpdo, 4), 0U);
+    ASSERT_EQ(bench.write(kMapped, 0x1800, 1, 0x80000000U | kTpdo, 4), 0U);
+    ASSERT_EQ(bench.write(kMapped, 0x1800, 2, type, 1), 0U);
+    ASSERT_EQ(bench.write(kMapped, 0x1800, 3, inhibit, 2), 0U);
+    ASSERT_EQ(bench.write(kMapped, 0x1800, 5, event, 2), 0U);
+    ASSERT_EQ(bench.write(kMapped, 0x1800, 6, start, 1), 0U);
+    ASSERT_EQ(bench.write(kMapped, 0x1800, 1, kTpdo, 4), 0U);
   }
   void change() {
     warning_ = !warning_;
     warning_ ? bench.drive().warning(1) : bench.drive().clear_faults();
   }
 
-  OneDrive bench{"cia402-velocity", kNode};
+  OneDrive bench{"cia402-velocity", kMapped};
 
  private:
   bool warning_ = false;
@@ -89,7 +89,7 @@ TEST_F(PdoTest, TypeZeroWaitsForChangeAndSync) {
 }
 
 TEST_F(PdoTest, SyncStartValueNamesTheFirstSync) {
-  ASSERT_EQ(bench.write(kNode, 0x1019, 0, 10, 1), 0U);
+  ASSERT_EQ(bench.write(kMapped, 0x1019, 0, 10, 1), 0U);
   set_tpdo(2, 0, 0, 3);
   bench.start();
   std::vector<std::uint8_t> sent_at;
@@ -121,7 +121,7 @@ TEST_F(PdoTest, RemoteRequestsAreForTypes252And253) {
   bench.start();
   bench.remote_request(kTpdo);
   EXPECT_EQ(bench.take(kTpdo).size(), 1U);
-  bench.nmt(0x80, kNode);
+  bench.nmt(0x80, kMapped);
   set_tpdo(252);
   bench.start();
   bench.send(0x80, {});
@@ -137,7 +137,7 @@ TEST_F(PdoTest, RemoteRequestsAreForTypes252And253) {
   bench.send(0x80, {});
   bench.remote_request(kTpdo);
   EXPECT_NE(word_at(*bench.last(kTpdo), 0), before);
-  bench.nmt(0x80, kNode);
+  bench.nmt(0x80, kMapped);
   set_tpdo(255);
   bench.start();
   bench.take(kTpdo);
@@ -146,30 +146,30 @@ TEST_F(PdoTest, RemoteRequestsAreForTypes252And253) {
 }
 
 TEST_F(PdoTest, SynchronousRpdosTakeEffectAtTheSync) {
-  ASSERT_EQ(bench.write(kNode, 0x1400, 2, 1, 1), 0U);
+  ASSERT_EQ(bench.write(kMapped, 0x1400, 2, 1, 1), 0U);
   bench.start();
   bench.send(kRpdo, {0x06, 0x00});
-  EXPECT_EQ(*bench.read(kNode, 0x6041, 0) & 0x6FU, 0x40U);
+  EXPECT_EQ(*bench.read(kMapped, 0x6041, 0) & 0x6FU, 0x40U);
   bench.send(0x80, {});
-  EXPECT_EQ(*bench.read(kNode, 0x6041, 0) & 0x6FU, 0x21U);
+  EXPECT_EQ(*bench.read(kMapped, 0x6041, 0) & 0x6FU, 0x21U);
 }
 
 TEST_F(PdoTest, RpdosOfAWrongLength) {
   bench.start();
   bench.send(kRpdo, {0x06});
   EXPECT_EQ(word_at(*bench.last(0x08A), 0), 0x8210U);
-  EXPECT_EQ(*bench.read(kNode, 0x6041, 0) & 0x6FU, 0x40U);
+  EXPECT_EQ(*bench.read(kMapped, 0x6041, 0) & 0x6FU, 0x40U);
   bench.send(kRpdo, {0x06, 0x00, 0x00});
   EXPECT_EQ(word_at(*bench.last(0x08A), 0), 0x8220U);
-  EXPECT_EQ(*bench.read(kNode, 0x6041, 0) & 0x6FU, 0x21U);
+  EXPECT_EQ(*bench.read(kMapped, 0x6041, 0) & 0x6FU, 0x21U);
   bench.send(kRpdo, {0x06, 0x00});
   EXPECT_EQ(word_at(*bench.last(0x08A), 0), 0x0000U);
   EXPECT_EQ(bench.drive().record().rpdo_length_errors, 2U);
 }
 
 TEST_F(PdoTest, ADisabledPdoIsSilentAndDeaf) {
-  ASSERT_EQ(bench.write(kNode, 0x1800, 1, 0x80000000U | kTpdo, 4), 0U);
-  ASSERT_EQ(bench.write(kNode, 0x1400, 1, 0x80000000U | kRpdo, 4), 0U);
+  ASSERT_EQ(bench.write(kMapped, 0x1800, 1, 0x80000000U | kTpdo, 4), 0U);
+  ASSERT_EQ(bench.write(kMapped, 0x1400, 1, 0x80000000U | kRpdo, 4), 0U);
   bench.start();
   bench.send(kRpdo, {0x06, 0x00});
   bench.advance(seconds(1));
@@ -178,20 +178,20 @@ TEST_F(PdoTest, ADisabledPdoIsSilentAndDeaf) {
 }
 
 TEST_F(PdoTest, CobIdsAndTypesAreChecked) {
-  EXPECT_EQ(bench.write(kNode, 0x1801, 1, 0x601, 4), 0x06090030U);       // restricted
-  EXPECT_EQ(bench.write(kNode, 0x1801, 1, 0x2000028A, 4), 0x06090030U);  // 29 bits
-  EXPECT_EQ(bench.write(kNode, 0x1801, 1, 0x3AA, 4), 0U);
-  EXPECT_EQ(bench.write(kNode, 0x1800, 2, 241, 1), 0x06090030U);
-  EXPECT_EQ(bench.write(kNode, 0x1400, 2, 252, 1), 0x06090030U);
-  EXPECT_EQ(bench.read_abort(kNode, 0x1800, 4), 0x06090011U);
-  EXPECT_EQ(bench.read(kNode, 0x1800, 0), 6U);
-  EXPECT_EQ(bench.read(kNode, 0x1400, 0), 5U);
+  EXPECT_EQ(bench.write(kMapped, 0x1801, 1, 0x601, 4), 0x06090030U);       // restricted
+  EXPECT_EQ(bench.write(kMapped, 0x1801, 1, 0x2000028A, 4), 0x06090030U);  // 29 bits
+  EXPECT_EQ(bench.write(kMapped, 0x1801, 1, 0x3AA, 4), 0U);
+  EXPECT_EQ(bench.write(kMapped, 0x1800, 2, 241, 1), 0x06090030U);
+  EXPECT_EQ(bench.write(kMapped, 0x1400, 2, 252, 1), 0x06090030U);
+  EXPECT_EQ(bench.read_abort(kMapped, 0x1800, 4), 0x06090011U);
+  EXPECT_EQ(bench.read(kMapped, 0x1800, 0), 6U);
+  EXPECT_EQ(bench.read(kMapped, 0x1400, 0), 5U);
 }
 
 TEST_F(PdoTest, NothingIsSentAfterOperational) {
   set_tpdo(255, 0, 100);
   bench.start();
-  bench.nmt(0x02, kNode);
+  bench.nmt(0x02, kMapped);
   bench.heard.clear();
   change();
   bench.advance(seconds(2));
