@@ -2,9 +2,11 @@
 install(TARGETS canopen-gateway RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY config/profiles/ DESTINATION ${CMAKE_INSTALL_DATADIR}/canopen-gateway/profiles
   FILES_MATCHING PATTERN "*.toml")
-install(FILES README.md CHANGELOG.md LICENSE config/gateway.example.toml systemd/80-can.network
-  DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md")
+# In the folders of the project: README.md names them so.
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES config/gateway.example.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
+install(FILES systemd/80-can.network DESTINATION ${CMAKE_INSTALL_DOCDIR}/systemd)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING PATTERN "*.md")
 
 file(READ systemd/canopen-gateway.service unit)
 string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_FULL_BINDIR}/" unit "${unit}")

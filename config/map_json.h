@@ -7,7 +7,7 @@
 
 namespace config {
 
-/// `map --format json`; its keys and their order are part of the outside contract.
+/// `map --format json`; scripts rely on its keys and their order.
 [[nodiscard]] std::string render_map_json(const Model& model);
 
 /// Where a signal's value is published; nothing for one that cannot be read, or where single topics are off.

@@ -3,6 +3,7 @@
 
 #include "canopen/clock.h"
 #include "config/schema.h"
+#include "config/schema_limits.h"
 
 namespace config {
 namespace {
@@ -12,10 +13,7 @@ using std::chrono::milliseconds;
 constexpr std::int64_t ns(canopen::Duration duration) {
   return duration.count();
 }
-constexpr std::int64_t kMs = ns(milliseconds(1));
 constexpr std::int64_t kDay = ns(std::chrono::hours(24));
-// What an object of milliseconds in 16 bits holds (0x1017, event timers).
-constexpr std::int64_t kMs16 = ns(milliseconds(65535));
 
 constexpr std::array kGatewayKeys{Key{
     .name = "name", .kind = KeyKind::name, .standard = "the host's name", .meaning = "Second part of every topic."}};
@@ -130,8 +128,8 @@ constexpr std::array kCommandsKeys{
     Key{.name = "writers",
         .kind = KeyKind::choices,
         .standard = "[]: nobody",
-        .meaning = "Who may command: `modbus`, `mqtt`, `local` (the command line). Nobody else may write, send NMT "
-                   "commands or write raw objects.",
+        .meaning = "Who may command: `modbus`, `mqtt`, `local` (the command line, which cannot command in this version)"
+                   ". Nobody else may write, send NMT commands or write raw objects.",
         .choices = "modbus|mqtt|local"},
     Key{.name = "raw",
         .kind = KeyKind::boolean,

@@ -56,12 +56,7 @@ class DemoBuses {
 
 void add_drives(SimulatedSite& site, DemoBuses& buses, const config::Model& model) {
   for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
-    const std::size_t network = site.add_network(buses.connect(bus));
-    for (const config::Drive& drive : model.drives) {
-      if (drive.bus == bus) {
-        site.add_drive(network, drive.profile, drive.node.node);
-      }
-    }
+    site.add_drives(site.add_network(buses.connect(bus)), model, bus);
   }
 }
 
@@ -76,7 +71,12 @@ int demo(const Options& options) {
   boost::asio::io_context loop(1);
   DemoBuses buses(loop.get_executor(), *model);
   SimulatedSite site(loop.get_executor());
-  add_drives(site, buses, *model);
+  try {
+    add_drives(site, buses, *model);
+  } catch (const NotSimulated& reason) {
+    std::cerr << "canopen-gateway: " << reason.what() << '\n';
+    return kConfigurationError;
+  }
   Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) { return buses.connect(bus); });
   gateway.start();
   site.start();

@@ -47,23 +47,23 @@ std::string alarms_of(const process::Drive& drive) {
   return text;
 }
 
-// One drive's command that starts the motor, in the words of its own control word.
-struct StartWords {
+// One drive's commands in the words of its own control word.
+struct ControlWords {
   std::string_view profile;
   std::string_view setpoint;
   int run;
   int stop;
-  int reset;
+  int reset;  ///< Of a fault.
   double example;
-  bool staged;  ///< CiA 402: shutdown and switch on come before.
+  bool staged;  ///< CiA 402: shutdown and switch on come before, and a fault reset is an edge.
 };
-constexpr std::array<StartWords, 4> kStartWords{{{"veichi-ac300", "frequency_command", 1, 5, 7, 40.0, false},
-                                                 {"veichi-ac310", "frequency_command", 1, 5, 7, 40.0, false},
-                                                 {"invt-goodrive600", "frequency_command", 1, 5, 7, 40.0, false},
-                                                 {"vacon-opte6", "target_velocity", 127, 6, 128, 900.0, true}}};
+constexpr std::array<ControlWords, 4> kControlWords{{{"veichi-ac300", "frequency_command", 1, 5, 7, 40.0, false},
+                                                     {"veichi-ac310", "frequency_command", 1, 5, 7, 40.0, false},
+                                                     {"invt-goodrive600", "frequency_command", 1, 5, 7, 40.0, false},
+                                                     {"vacon-opte6", "target_velocity", 127, 6, 128, 900.0, true}}};
 
-const StartWords* start_words(const config::Drive& drive) noexcept {
-  for (const StartWords& words : kStartWords) {
+const ControlWords* control_words(const config::Drive& drive) noexcept {
+  for (const ControlWords& words : kControlWords) {
     if (words.profile == drive.profile) {
       return &words;
     }
@@ -71,35 +71,33 @@ const StartWords* start_words(const config::Drive& drive) noexcept {
   return nullptr;
 }
 
+// The lines carry no ids: so they may be given again and again.
 void add_mqtt_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
-  const std::string base = model.mqtt->base + "/" + model.gateway.name;
-  const std::string to = fmt::format("  mosquitto_pub -h {} -p {} -t {}/{}", model.mqtt->broker.host,
-                                     model.mqtt->broker.port, base, drive.name);
-  const StartWords* const words = start_words(drive);
+  const ControlWords* const words = control_words(drive);
   if (words == nullptr) {
     return;
   }
-  if (words->staged) {
-    text += fmt::format("{0}/control_command/set -m 6\n{0}/control_command/set -m 7\n", to);
-  }
-  text += fmt::format("{}/set -m '{{\"{}\":{:.1f},\"control_command\":{},\"id\":\"run-1\"}}'\n", to, words->setpoint,
-                      words->example, words->run);
-  text += fmt::format("{}/control_command/set -m {}\n", to, words->stop);
-}
-
-// A fault from outside: the simulated drives' own object, reached by an SDO request where the site allows raw ones.
-void add_fault_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
-  const std::string base = model.mqtt->base + "/" + model.gateway.name + "/" + drive.name;
   const std::string at = fmt::format("-h {} -p {}", model.mqtt->broker.host, model.mqtt->broker.port);
-  for (const int code : {5, 0}) {
-    text += fmt::format(
-        "  mosquitto_pub {} -t {}/sdo/request "
-        "-m '{{\"id\":\"f{}\",\"op\":\"write\",\"object\":\"{}\",\"type\":\"u16\",\"value\":{}}}'   # {}\n",
-        at, base, code,
-        to_string(canopen::ObjectAddress{simulator::kTroubleObject.index, simulator::kTroubleObject.sub}), code,
-        code != 0 ? "it trips" : "reset at the drive");
-    text += fmt::format("  mosquitto_sub {} -C 1 -t {}/alarm/emcy\n", at, base);
+  const std::string topics = model.mqtt->base + "/" + model.gateway.name + "/" + drive.name;
+  const std::string to = fmt::format("  mosquitto_pub {} -t {}", at, topics);
+  const std::string alarm = fmt::format("  mosquitto_sub {} -C 1 -t {}/alarm/emcy\n", at, topics);
+  if (words->staged) {
+    text += fmt::format("{0}/control_command/set -m 6   # shutdown\n{0}/control_command/set -m 7   # switch on\n", to);
   }
+  text += fmt::format("{}/set -m '{{\"{}\":{:.1f},\"control_command\":{}}}'   # run\n", to, words->setpoint,
+                      words->example, words->run);
+  text += fmt::format("{}/control_command/set -m {}   # stop\n", to, words->stop);
+  if (drive.commands.raw) {  // A fault from outside: the simulated drives' own object, reached by an SDO request.
+    text += fmt::format(
+        "{}/sdo/request -m '{{\"op\":\"write\",\"object\":\"{}\",\"type\":\"u16\",\"value\":5}}'   # it trips\n", to,
+        to_string(canopen::ObjectAddress{simulator::kTroubleObject.index, simulator::kTroubleObject.sub}));
+    text += alarm;
+  }
+  if (words->staged) {
+    text += fmt::format("{}/control_command/set -m 0   # before a fault reset, which is a rising bit 7\n", to);
+  }
+  text += fmt::format("{}/control_command/set -m {}   # fault reset\n", to, words->reset);
+  text += alarm;
 }
 
 void add_modbus_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
@@ -114,7 +112,7 @@ void add_modbus_lines(std::string& text, const config::Model& model, const confi
   add("status_word", "");
   add("output_frequency", "");
   add("actual_velocity", "");
-  if (const StartWords* const words = start_words(drive); words != nullptr && !words->staged) {
+  if (const ControlWords* const words = control_words(drive); words != nullptr && !words->staged) {
     add("frequency_command", " 2500");
     add("control_command", fmt::format(" {}", words->run));
   }
@@ -147,7 +145,12 @@ void DemoScreen::show() {
 }
 
 std::string demo_guide(const config::Model& model) {
-  std::string text = "Four simulated drives and the gateway on an in-process CAN bus. In another terminal:\n";
+  const std::size_t drives = model.drives.size();
+  std::string text = fmt::format("{} simulated {} and the gateway on an in-process CAN bus.\n", drives,
+                                 drives == 1 ? "drive" : "drives");
+  text +=
+      fmt::format("Here, `{0} fault 4` trips node {0}, and `help` lists what else can be done. In another terminal:\n",
+                  model.drives.front().node.node);
   if (model.mqtt) {
     text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
                         model.mqtt->broker.host, model.mqtt->broker.port, model.mqtt->base, model.gateway.name);
@@ -159,9 +162,6 @@ std::string demo_guide(const config::Model& model) {
     }
     if (model.mqtt) {
       add_mqtt_lines(text, model, drive);
-      if (drive.commands.raw) {
-        add_fault_lines(text, model, drive);
-      }
     }
   }
   return text + "\n";

@@ -33,9 +33,7 @@ spdlog::level::level_enum level_of(const process::Alarm& alarm) noexcept {
 }  // namespace
 
 EventLog::EventLog(const process::Plant& plant)
-    : plant_(plant),
-      told_(plant.model().drives.size()),
-      bus_told_(plant.model().buses.size(), canopen::BusCondition::down) {}
+    : plant_(plant), told_(plant.model().drives.size()), bus_told_(plant.model().buses.size()) {}
 
 void EventLog::on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
 
@@ -65,6 +63,10 @@ void EventLog::on_alarm(const process::Drive& drive, process::AlarmKind kind) {
   }
   spdlog::log(level_of(alarm), "{}: alarm {} {}: 0x{:04X} {}", drive.model().name, process::name_of(kind),
               alarm.active ? (alarm.confirmed ? "active" : "active, not confirmed") : "over", alarm.code, alarm.text);
+}
+
+void EventLog::on_remark(const process::Drive& drive, const std::string& text) {
+  spdlog::info("{}: {}", drive.model().name, text);
 }
 
 void EventLog::on_bus(std::size_t bus) {

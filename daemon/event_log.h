@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "bridges/process/observer.h"
@@ -20,6 +22,7 @@ class EventLog final : public process::Observer {
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
+  void on_remark(const process::Drive& drive, const std::string& text) override;
 
  private:
   struct Told {
@@ -29,7 +32,7 @@ class EventLog final : public process::Observer {
 
   const process::Plant& plant_;
   std::vector<Told> told_;
-  std::vector<canopen::BusCondition> bus_told_;
+  std::vector<std::optional<canopen::BusCondition>> bus_told_;
 };
 
 }  // namespace gateway

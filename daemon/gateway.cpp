@@ -19,16 +19,17 @@ canopen::BusSettings settings_of(const config::Bus& bus) {
   return settings;
 }
 
+// Notices say themselves that they are about MQTT.
 void log_notice(mqtt::Level level, const std::string& text) {
   switch (level) {
     case mqtt::Level::info:
-      spdlog::info("mqtt: {}", text);
+      spdlog::info(text);
       break;
     case mqtt::Level::warning:
-      spdlog::warn("mqtt: {}", text);
+      spdlog::warn(text);
       break;
     case mqtt::Level::error:
-      spdlog::error("mqtt: {}", text);
+      spdlog::error(text);
       break;
   }
 }
@@ -89,14 +90,20 @@ void Gateway::start() {
   }
 }
 
+// No command begins any more; those that have begun still get their answer on MQTT. Modbus clients are gone at once, and
+// what they began ends with the plant.
 boost::asio::awaitable<void> Gateway::stop() {
   if (modbus_) {
-    co_await modbus_->stop();
+    modbus_->close();
   }
+  plant_.close();
   if (mqtt_) {
     co_await mqtt_->stop();
   }
   co_await plant_.stop();
+  if (modbus_) {
+    co_await modbus_->stop();
+  }
   for (BusInUse& in_use : buses_) {
     co_await in_use.bus->stop();
   }

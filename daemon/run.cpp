@@ -2,6 +2,8 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
 #include <exception>
 #include <memory>
 #include <vector>
@@ -16,6 +18,16 @@
 
 namespace gateway {
 namespace {
+
+// Left to itself this signal would end a gateway without its goodbye.
+void refuse_reloads(boost::asio::signal_set& hang_ups) {
+  hang_ups.async_wait([&hang_ups](const boost::system::error_code& error, int /*signal*/) {
+    if (!error) {
+      spdlog::warn("reload is not supported by this version; restart instead");
+      refuse_reloads(hang_ups);
+    }
+  });
+}
 
 boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, boost::asio::any_io_executor executor) {
   co_await stop_signal(executor);
@@ -43,6 +55,8 @@ int run(const Options& options) {
     });
   });
   gateway.start();
+  boost::asio::signal_set hang_ups(loop, SIGHUP);
+  refuse_reloads(hang_ups);
   Supervision supervision(loop.get_executor(), gateway.plant());
   supervision.ready();
   spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),

@@ -1,9 +1,12 @@
+#include <fmt/format.h>
+
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <exception>
 #include <iostream>
 
 #include "canopen/socketcan_link.h"
+#include "daemon/announced_link.h"
 #include "daemon/commands.h"
 #include "daemon/simulated_site.h"
 #include "daemon/stop_signal.h"
@@ -11,14 +14,29 @@
 namespace gateway {
 namespace {
 
-void fill_from_model(SimulatedSite& site, const config::Model& model, const boost::asio::any_io_executor& executor) {
+std::size_t add_interface(SimulatedSite& site, const std::string& interface,
+                          const boost::asio::any_io_executor& executor) {
+  if (interface == config::kVirtualInterface) {
+    throw NotSimulated(
+        "a virtual bus is inside of one process, nothing else can be on it; name a SocketCAN interface, or use `demo`");
+  }
+  auto link = canopen::make_socketcan_link(executor, interface,
+                                           [](const std::string& text) { std::cerr << text << std::endl; });
+  return site.add_network(make_announced_link(std::move(link), interface, std::cerr));
+}
+
+void add_drives(SimulatedSite& site, const std::string& interface, const std::vector<SimulatedDrive>& drives,
+                const boost::asio::any_io_executor& executor) {
+  const std::size_t network = add_interface(site, interface, executor);
+  for (const SimulatedDrive& drive : drives) {
+    site.add_drive(network, drive.kind, drive.node);
+  }
+}
+
+void add_drives(SimulatedSite& site, const config::Model& model, const boost::asio::any_io_executor& executor) {
   for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
-    const std::size_t network = site.add_network(canopen::make_socketcan_link(executor, model.buses[bus].interface));
-    for (const config::Drive& drive : model.drives) {
-      if (drive.bus == bus) {
-        site.add_drive(network, drive.profile, drive.node.node);
-      }
-    }
+    const std::size_t network = add_interface(site, model.buses[bus].interface, executor);
+    site.add_drives(network, model, bus);
   }
 }
 
@@ -27,20 +45,23 @@ void fill_from_model(SimulatedSite& site, const config::Model& model, const boos
 int simulate(const Options& options, const std::string& interface, const std::vector<SimulatedDrive>& drives) {
   boost::asio::io_context loop(1);
   SimulatedSite site(loop.get_executor());
-  if (interface.empty()) {
-    const std::optional<config::Model> model = load_or_complain(options);
-    if (!model) {
+  const bool by_configuration = interface.empty();
+  try {
+    if (!by_configuration) {
+      add_drives(site, interface, drives, loop.get_executor());
+    } else if (const std::optional<config::Model> model = load_or_complain(options)) {
+      add_drives(site, *model, loop.get_executor());
+    } else {
       return kConfigurationError;
     }
-    fill_from_model(site, *model, loop.get_executor());
-  } else {
-    const std::size_t network = site.add_network(canopen::make_socketcan_link(loop.get_executor(), interface));
-    for (const SimulatedDrive& drive : drives) {
-      site.add_drive(network, drive.kind, drive.node);
-    }
+  } catch (const NotSimulated& reason) {
+    std::cerr << "canopen-gateway: " << reason.what() << '\n';
+    return by_configuration ? kConfigurationError : kUsage;
   }
   site.start();
-  std::cout << site.drives().size() << " drives simulated; type help for what they can be made to do" << std::endl;
+  std::cout << fmt::format("{} {} simulated; type help for what can be done to {}", site.drives().size(),
+                           site.drives().size() == 1 ? "drive" : "drives", site.drives().size() == 1 ? "it" : "them")
+            << std::endl;
   boost::asio::co_spawn(loop, stop_signal(loop.get_executor()), [&](const std::exception_ptr& error) {
     if (error) {
       std::rethrow_exception(error);

@@ -1,7 +1,6 @@
 #include "daemon/simulated_site.h"
 
 #include <iostream>
-#include <stdexcept>
 #include <utility>
 
 namespace gateway {
@@ -21,12 +20,25 @@ std::size_t SimulatedSite::add_network(std::unique_ptr<canopen::Link> link) {
 void SimulatedSite::add_drive(std::size_t network, std::string_view kind, std::uint8_t node) {
   std::unique_ptr<simulator::Drive> drive = simulator::make_drive(kind, node, *networks_.at(network));
   if (!drive) {
-    throw std::runtime_error(simulator::why_no_drive(kind, node));
+    throw NotSimulated(simulator::why_no_drive(kind, node));
   }
   if (!console_.add(*drive)) {
-    throw std::runtime_error("node " + std::to_string(node) + " is simulated already; give each drive its own node");
+    throw NotSimulated("node " + std::to_string(node) + " is simulated already; give each drive its own node");
   }
   drives_.push_back(std::move(drive));
+}
+
+void SimulatedSite::add_drives(std::size_t network, const config::Model& model, std::size_t bus) {
+  for (const config::Drive& drive : model.drives) {
+    if (drive.bus != bus) {
+      continue;
+    }
+    try {
+      add_drive(network, drive.profile, drive.node.node);
+    } catch (const NotSimulated& reason) {
+      throw NotSimulated("drive \"" + drive.name + "\": " + reason.what());
+    }
+  }
 }
 
 void SimulatedSite::start() {

@@ -2,17 +2,25 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "canopen/link.h"
+#include "config/model.h"
 #include "daemon/line_reader.h"
 #include "simulator/console.h"
 #include "simulator/drive.h"
 #include "simulator/network.h"
 
 namespace gateway {
+
+/// Why a drive cannot be simulated.
+class NotSimulated : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Simulated drives on one or more buses, with a console on standard input.
 class SimulatedSite {
@@ -21,8 +29,11 @@ class SimulatedSite {
 
   /// A bus for drives to be added to; its position.
   std::size_t add_network(std::unique_ptr<canopen::Link> link);
-  /// Throws std::runtime_error for a kind or node that cannot be simulated, or a node that is there already.
+  /// Throws NotSimulated for a kind or node that cannot be simulated, or a node that is there already.
   void add_drive(std::size_t network, std::string_view kind, std::uint8_t node);
+
+  /// The model's drives on one of its buses, each by the name of its profile; throws the same, with the drive's name.
+  void add_drives(std::size_t network, const config::Model& model, std::size_t bus);
 
   /// Opens the buses, switches the drives on and reads orders from standard input.
   void start();

@@ -1,0 +1,64 @@
+#include "daemon/announced_link.h"
+
+#include <optional>
+#include <ostream>
+#include <string_view>
+#include <utility>
+
+namespace gateway {
+namespace {
+
+std::string_view words_of(canopen::BusCondition condition) noexcept {
+  switch (condition) {
+    case canopen::BusCondition::error_active:
+      return "interface is up";
+    case canopen::BusCondition::warning:
+      return "many errors on the bus";
+    case canopen::BusCondition::passive:
+      return "error-passive: no other node acknowledges, or the wiring disturbs";
+    case canopen::BusCondition::bus_off:
+      return "bus-off: the controller has left the bus";
+    case canopen::BusCondition::down:
+      break;
+  }
+  return "interface is missing or down";
+}
+
+class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
+ public:
+  AnnouncedLink(std::unique_ptr<canopen::Link> link, std::string name, std::ostream& out)
+      : link_(std::move(link)), name_(std::move(name)), out_(out) {}
+
+  void open(canopen::LinkEvents& events) override {
+    events_ = &events;
+    link_->open(*this);
+  }
+  void close() override { link_->close(); }
+  [[nodiscard]] canopen::SendResult send(const canopen::Frame& frame) override { return link_->send(frame); }
+
+ private:
+  void on_frames(std::span<const canopen::Received> frames) override { events_->on_frames(frames); }
+  void on_echo(const canopen::Frame& frame, canopen::TimePoint at) override { events_->on_echo(frame, at); }
+  void on_bus_state(const canopen::BusState& state) override {
+    if (std::exchange(told_, state.condition) != state.condition) {
+      out_ << name_ << ": " << words_of(state.condition) << std::endl;
+    }
+    events_->on_bus_state(state);
+  }
+  void on_frames_lost(std::uint32_t count) override { events_->on_frames_lost(count); }
+
+  std::unique_ptr<canopen::Link> link_;
+  std::string name_;
+  std::ostream& out_;
+  canopen::LinkEvents* events_ = nullptr;  ///< Nothing comes before open() or after close().
+  std::optional<canopen::BusCondition> told_;
+};
+
+}  // namespace
+
+std::unique_ptr<canopen::Link> make_announced_link(std::unique_ptr<canopen::Link> link, std::string name,
+                                                   std::ostream& out) {
+  return std::make_unique<AnnouncedLink>(std::move(link), std::move(name), out);
+}
+
+}  // namespace gateway

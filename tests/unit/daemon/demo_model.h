@@ -1,0 +1,15 @@
+#pragma once
+
+#include "config/load.h"
+#include "daemon/demo_config.h"
+
+namespace gateway::test {
+
+/// What `demo` runs.
+inline config::Model demo_model() {
+  const config::LoadOptions options{
+      .file = "demo.toml", .profile_dirs = {GATEWAY_SOURCE_DIR "/config/profiles"}, .host_name = "host"};
+  return config::load_text(demo_config(), options).model.value();
+}
+
+}  // namespace gateway::test
