@@ -28,9 +28,6 @@ using socketcan::ReceiveBatch;
 // As often a missing interface is looked for, should the bell have been deaf.
 constexpr Duration kLookAgain = std::chrono::seconds(1);
 
-// Full batches in a row before others get their turn.
-constexpr int kBatchesPerTurn = 4;
-
 class SocketCanLink final : public Link {
  public:
   SocketCanLink(boost::asio::any_io_executor executor, std::string interface, LinkNotice notice)
@@ -52,8 +49,6 @@ class SocketCanLink final : public Link {
   void notice(const std::string& text) const;
 
   void receive();
-  /// False where nothing more is to be read in this turn.
-  bool receive_batch();
   void deliver(std::size_t count);
   void count_losses(const ReceiveBatch::Item& item);
   void on_error_frame(const Frame& frame);
@@ -190,26 +185,15 @@ void SocketCanLink::notice(const std::string& text) const {
   }
 }
 
+// One batch, then others get their turn.
 void SocketCanLink::receive() {
-  for (int batch = 0; batch < kBatchesPerTurn; ++batch) {
-    if (!receive_batch()) {
-      return;
-    }
-  }
-}
-
-bool SocketCanLink::receive_batch() {
   const int count = batch_.read(socket_->get());
   if (count > 0) {
     deliver(static_cast<std::size_t>(count));
-    // A batch that was not full has emptied the socket. The events may have closed us, too.
-    return static_cast<std::size_t>(count) == ReceiveBatch::kCapacity && socket_;
-  }
-  if (count < 0 && errno != EAGAIN && errno != EINTR) {
+  } else if (count < 0 && errno != EAGAIN && errno != EINTR) {
     // ENETDOWN, ENODEV: told once; the interface went down or away.
     look();
   }
-  return false;
 }
 
 void SocketCanLink::deliver(std::size_t count) {
