@@ -192,8 +192,11 @@ void RemoteNode::Supervisor::on_emcy(const Received& received) {
 
 void RemoteNode::Supervisor::on_silence() {
   const bool was_heard = signs_.heartbeat_at.has_value();
-  signs_ = NodeSigns{};
-  leave_service();
+  if (!searching_) {
+    // A search goes on: it asks the node at its end.
+    signs_ = NodeSigns{};
+    leave_service();
+  }
   change_status([was_heard](NodeStatus& status) {
     status.online = false;
     status.configured = false;

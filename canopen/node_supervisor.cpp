@@ -87,7 +87,9 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::live_once() {
   }
   phase_ = Phase::idle;
   forget_stale_signs();
+  searching_ = true;
   const FoundState found = co_await learn_state({sdo_, bus_, settings_, signs_, changed_});
+  searching_ = false;
   start_requested_ = false;
   gave_up_ = false;
   if (stopping_ || !bus_.state().up()) {

@@ -149,6 +149,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   std::uint32_t starts_ = 0;   ///< NMT starts of boots that have left.
   bool start_requested_ = false;
   std::size_t starts_awaited_ = 0;  ///< NMT start commands that wait for the boot they asked for.
+  bool searching_ = false;          ///< The state is being learnt.
   bool gave_up_ = false;            ///< A boot or takeover ended without a verdict.
   bool running_ = false;
   bool stopping_ = false;

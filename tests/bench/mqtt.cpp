@@ -97,6 +97,7 @@ void mqtt() {
   if (!site.wait_online()) {
     throw std::runtime_error("the simulated drives did not come online");
   }
+  gateway_messages.wait_for_first();
   const auto gateway = [&] {
     const Changes changes(site);
     return gateway_messages.rate();
@@ -105,7 +106,7 @@ void mqtt() {
   static_cast<void>(gateway());
   const std::vector<Published> messages = gateway_messages.kept();
   if (messages.size() < Subscriber::kKept) {
-    throw std::runtime_error("the gateway published too little to measure");
+    throw std::runtime_error(fmt::format("the gateway published too little to measure: {} messages", messages.size()));
   }
   print(compare(
       "MQTT, QoS 1, every change published", "messages/s", 5, [&] { return bare_rate(broker.uri(), messages); },

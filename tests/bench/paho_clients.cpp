@@ -64,6 +64,15 @@ Subscriber::Subscriber(const std::string& uri, const std::string& filter)
 
 Subscriber::~Subscriber() = default;
 
+void Subscriber::wait_for_first() const {
+  for (int tries = 0; body_->count() == 0; ++tries) {
+    if (tries == 200) {
+      throw std::runtime_error("the gateway publishes nothing");
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
 std::vector<Published> Subscriber::kept() const {
   return body_->kept();
 }

@@ -23,6 +23,8 @@ class Subscriber {
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
 
+  /// Throws std::runtime_error when nothing arrives for some seconds.
+  void wait_for_first() const;
   [[nodiscard]] std::vector<Published> kept() const;
   /// Messages per second over a while, after a moment to get going.
   [[nodiscard]] double rate() const;

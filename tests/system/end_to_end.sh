@@ -14,10 +14,12 @@ start_witness
 start_trace
 begin=$(date +%s%3N)
 start_gateway
+wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
 start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
 online
-say "online $(($(date +%s%3N) - begin)) ms after the gateway was launched"
-# By the bus itself: the gateway's first frame to the last drive's first TPDO.
+say "online $(($(date +%s%3N) - begin)) ms after the gateway was launched, the start of all programs included"
+say "on the bus: $(trace | awk '/ 70[3579]#00/ {last = $1} / 000#01/ {start = $1} END {gsub(/[()]/, "", last);
+  gsub(/[()]/, "", start); printf "%.0f ms from the last boot-up to the last NMT start", (start - last) * 1000}')"
 for drive in fan1 pump1 hoist1 mixer1; do
   wait_until 5 "$drive online on MQTT" is_retained "$drive/status" online
   wait_until 5 "$drive has fresh values" field_is "$drive/state" .fresh true

@@ -32,6 +32,7 @@ wait_until 5 "all four online" register_is 0 2 4
 say "all four drives online after $(($(date +%s%3N) - begin)) ms"
 wait_until 5 "MQTT too" is_retained pump1/status online
 wait_until 5 "MQTT values" is_retained pump1/output_frequency 30.00
+say "on MQTT after $(($(date +%s%3N) - begin)) ms"
 expect "no NMT command" "" "$(trace_since "$frames" | grep -E ' 000#')"
 expect "no RPDO" "" "$(trace_since "$frames" | grep -E ' [2-5]0[3579]#')"
 expect "no SDO write" "" "$(trace_since "$frames" | grep -E ' 60[3579]#2')"

@@ -201,5 +201,18 @@ TEST_F(StateSearchTest, BusThatComesBackIsListenedToAgain) {
   expect_untouched();
 }
 
+TEST_F(StateSearchTest, GivenUpDuringTheSearchItIsStillAskedAtItsEnd) {
+  install(bench_settings());
+  slave_.set(kHeartbeatTime, DataType::u16, 0);
+  without_heartbeat();
+  wire_.set_state({});
+  start(bench_settings());
+  wire_.set_state({BusCondition::error_active, 0, 0});  // Both times begin at the same moment.
+  loop_.advance(1510ms);
+  EXPECT_FALSE(slave_.heard_on(0x605).empty());
+  slave_.heartbeat_off(false);
+  EXPECT_TRUE(wait_online());
+}
+
 }  // namespace
 }  // namespace canopen
