@@ -73,7 +73,8 @@ constexpr std::array kErrorControlKeys{
     Key{.name = "guarding",
         .kind = KeyKind::boolean,
         .standard = "false",
-        .meaning = "It answers node guarding; asked once, when found without a heartbeat."}};
+        .meaning = "It answers node guarding; asked once for its state, when found without a heartbeat. Guarding does not "
+                   "supervise it."}};
 
 constexpr std::array kSdoKeys{Key{.name = "timeout",
                                   .kind = KeyKind::duration,

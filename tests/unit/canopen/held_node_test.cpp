@@ -12,9 +12,8 @@ namespace canopen {
 namespace {
 
 using namespace std::chrono_literals;
-using support::Spawned;
 
-class HeldNodeTest : public NodeBench {
+class HeldNodeTest : public NodeCommandBench {
  protected:
   /// Found operational with a difference, and left alone for it.
   void leave_alone(const NodeSettings& settings) {
@@ -31,9 +30,6 @@ class HeldNodeTest : public NodeBench {
     EXPECT_EQ(status().nmt, NmtState::pre_operational);
     EXPECT_TRUE(slave_.writes().empty());
     EXPECT_TRUE(nmt_heard().empty());
-  }
-  Spawned<Result<void>> command(NmtCommand command, Duration within = 800ms) {
-    return support::spawn(loop_.executor(), node_->command(command, Clock::now() + within));
   }
   void expect_readable() {
     const auto reading = support::spawn(loop_.executor(), node_->read(kControlWord, DataType::u16));

@@ -11,23 +11,9 @@ namespace canopen {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::Test;
 using Bytes = support::ScriptedSlave::Bytes;
 
-class PdoSetupTest : public NodeBench {
- protected:
-  void boot(const NodeSettings& settings) {
-    start(settings);
-    slave_.boot_up();
-    loop_.advance(2s);
-  }
-  void expect_letter(char letter, const std::string& text_part) {
-    EXPECT_FALSE(status().online);
-    EXPECT_EQ(status().boot_result, letter) << static_cast<char>(status().boot_result) << " " << status().boot_text;
-    EXPECT_NE(status().boot_text.find(text_part), std::string::npos) << status().boot_text;
-    EXPECT_TRUE(nmt_heard().empty()) << "a node that could not be configured is not started";
-  }
-};
+class PdoSetupTest : public NodeBench {};
 
 TEST_F(PdoSetupTest, MappingIsWrittenInTheOrderOfTheStandard) {
   install(bench_settings());

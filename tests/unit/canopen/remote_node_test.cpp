@@ -13,49 +13,8 @@ namespace canopen {
 namespace {
 
 using namespace std::chrono_literals;
-using support::Spawned;
 
-class RemoteNodeTest : public NodeBench {
- protected:
-  Spawned<Result<void>> command(NmtCommand command, Duration within = 800ms) {
-    return support::spawn(loop_.executor(), node_->command(command, Clock::now() + within));
-  }
-  Result<void> command_now(NmtCommand what) {
-    const auto sent = command(what);
-    loop_.advance(5ms);
-    EXPECT_TRUE(sent.done());
-    return sent.done() ? sent.get() : Result<void>(Error{});
-  }
-  Spawned<Result<void>> write(Raw raw, Duration within = 800ms) {
-    return support::spawn(loop_.executor(), node_->write(kControlWord, DataType::u16, raw, Clock::now() + within));
-  }
-  Spawned<Result<void>> rpdo(std::vector<ObjectValue> fields, Duration within = 800ms) {
-    return support::spawn(loop_.executor(), node_->send_rpdo(1, std::move(fields), Clock::now() + within));
-  }
-  Result<void> rpdo_now(std::vector<ObjectValue> fields) {
-    const auto sent = rpdo(std::move(fields));
-    loop_.advance(2ms);
-    EXPECT_TRUE(sent.done());
-    return sent.done() ? sent.get() : Result<void>(Error{});
-  }
-  static ObjectValue control(Raw raw) { return {kControlWord, DataType::u16, raw}; }
-  static ObjectValue target(Raw raw) { return {kTarget, DataType::i16, raw}; }
-  void expect_write_refused() {
-    const std::size_t heard = slave_.heard_on(0x605).size();
-    const auto writing = write(6);
-    loop_.settle();
-    ASSERT_TRUE(writing.done()) << "refused at once";
-    EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
-    EXPECT_EQ(slave_.heard_on(0x605).size(), heard);
-  }
-  /// The node loses its heartbeat.
-  void lose() {
-    slave_.unplug(true);
-    loop_.advance(2100ms);
-    ASSERT_TRUE(status().lost);
-    slave_.forget_heard();
-  }
-};
+class RemoteNodeTest : public NodeCommandBench {};
 
 TEST_F(RemoteNodeTest, OnlineWithinTwoSeconds) {
   install(bench_settings());

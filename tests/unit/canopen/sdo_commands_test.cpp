@@ -13,21 +13,12 @@ namespace {
 using namespace std::chrono_literals;
 using support::Spawned;
 
-class SdoCommandsTest : public NodeBench {
+class SdoCommandsTest : public NodeCommandBench {
  protected:
-  Spawned<Result<void>> write(Raw raw, Duration within = 800ms) {
-    return support::spawn(loop_.executor(), node_->write(kControlWord, DataType::u16, raw, Clock::now() + within));
-  }
   Spawned<Result<Raw>> read(ObjectAddress object) {
     return support::spawn(loop_.executor(), node_->read(object, DataType::u16));
   }
-  Spawned<Result<void>> command(NmtCommand command) {
-    return support::spawn(loop_.executor(), node_->command(command, Clock::now() + 800ms));
-  }
-  Spawned<Result<void>> rpdo(Duration within) {
-    const std::vector<ObjectValue> fields{{kControlWord, DataType::u16, 0}, {kTarget, DataType::i16, 0}};
-    return support::spawn(loop_.executor(), node_->send_rpdo(1, fields, Clock::now() + within));
-  }
+  Spawned<Result<void>> zero_rpdo(Duration within) { return rpdo({control(0), target(0)}, within); }
   /// By itself, and told at once.
   void leave_operational() {
     slave_.set_state(127);
@@ -65,7 +56,7 @@ TEST_F(SdoCommandsTest, BehindAPollItIsWithdrawnAndThePollGoesOn) {
 TEST_F(SdoCommandsTest, InTheTransmitQueueItIsWithdrawn) {
   bring_online(bench_settings());
   wire_.withhold_echoes(true);
-  const auto blocking = rpdo(50ms);  // Of commands only one is in the kernel at a time.
+  const auto blocking = zero_rpdo(50ms);  // Of commands only one is in the kernel at a time.
   const auto writing = write(0x0F);
   loop_.settle();
   leave_operational();
@@ -89,7 +80,7 @@ TEST_F(SdoCommandsTest, OnceItHasLeftItIsAwaited) {
 TEST_F(SdoCommandsTest, NmtStopComesBeforeWhatWaits) {
   bring_online(bench_settings());
   wire_.withhold_echoes(true);
-  const auto blocking = rpdo(50ms);
+  const auto blocking = zero_rpdo(50ms);
   const auto writing = write(0x0F);
   loop_.settle();
   const auto stopping = command(NmtCommand::pre_operational);
@@ -109,7 +100,7 @@ TEST_F(SdoCommandsTest, AfterAnNmtStopItIsRefusedBeforeTheHeartbeatTells) {
   loop_.advance(2ms);
   ASSERT_TRUE(stopping.done() && stopping.get().has_value());
   const auto writing = write(0x0F);
-  const auto sending = rpdo(800ms);
+  const auto sending = zero_rpdo(800ms);
   loop_.settle();
   ASSERT_TRUE(writing.done() && sending.done());
   EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);

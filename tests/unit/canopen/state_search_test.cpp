@@ -14,27 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class StateSearchTest : public NodeBench {
- protected:
-  /// The slave has been running for long, with its heartbeat in step with our start.
-  void running(const NodeSettings& settings) {
-    install(settings);
-    slave_.set_state(5);
-  }
-  void expect_untouched() {
-    EXPECT_TRUE(slave_.writes().empty());
-    EXPECT_TRUE(nmt_heard().empty());
-    EXPECT_TRUE(slave_.heard_on(0x205).empty());
-  }
-  void expect_left_alone(const std::string& text_part) {
-    EXPECT_FALSE(status().online);
-    EXPECT_EQ(status().boot_result, 'L') << status().boot_text;
-    EXPECT_NE(status().boot_text.find(text_part), std::string::npos) << status().boot_text;
-    expect_untouched();
-  }
-  /// A test that takes a heartbeat away has none before either.
-  void without_heartbeat() { slave_.heartbeat_off(true); }
-};
+class StateSearchTest : public NodeBench {};
 
 TEST_F(StateSearchTest, FoundPreOperationalItIsBooted) {
   install(bench_settings());

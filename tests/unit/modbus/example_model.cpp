@@ -141,7 +141,7 @@ config::Model example_model() {
   return model;
 }
 
-void fill_dictionary(Puppet& puppet) {
+void fill_dictionary(support::Puppet& puppet) {
   puppet.dictionary = {{{0x1800, 1}, {0x180U + kNode, 4}},
                        {{0x1800, 2}, {254, 1}},
                        {{0x1800, 5}, {100, 2}},

@@ -9,9 +9,9 @@
 
 namespace {
 
-using modbus_test::Puppet;
 using modbus_test::Site;
 using std::chrono::milliseconds;
+using support::Puppet;
 
 class MaskWrites : public testing::Test {
  protected:

@@ -15,8 +15,8 @@
 #include "canopen/virtual_link.h"
 #include "config/model.h"
 #include "tests/support/hand_driven_loop.h"
+#include "tests/support/puppet.h"
 #include "tests/unit/modbus/bytes.h"
-#include "tests/unit/modbus/puppet.h"
 #include "tests/unit/modbus/tcp_client.h"
 
 namespace modbus_test {
@@ -53,7 +53,7 @@ inline constexpr canopen::ObjectAddress kValveObject{0x3000, 7};
 /// One drive `pump1`, node and unit 5, with a signal of every kind, on loopback and any free port.
 [[nodiscard]] config::Model example_model();
 /// What SDO finds in that drive.
-void fill_dictionary(Puppet& puppet);
+void fill_dictionary(support::Puppet& puppet);
 
 /// A plant with one puppet drive and a Modbus server, time moved by hand.
 class Site {
@@ -89,7 +89,7 @@ class Site {
 
   support::HandDrivenLoop& loop() noexcept { return loop_; }
   canopen::VirtualBus& can() noexcept { return can_; }
-  Puppet& puppet() noexcept { return puppet_; }
+  support::Puppet& puppet() noexcept { return puppet_; }
   process::Plant& plant() noexcept { return plant_; }
   modbus::Server& server() noexcept { return server_; }
   [[nodiscard]] std::uint16_t port() const { return server_.port(0); }
@@ -100,7 +100,7 @@ class Site {
   support::HandDrivenLoop loop_;
   config::Model model_;
   canopen::VirtualBus can_;
-  Puppet puppet_;
+  support::Puppet puppet_;
   canopen::Bus bus_;
   process::Plant plant_;
   canopen::Subscription bus_state_;

@@ -20,10 +20,10 @@ using modbus_test::kRelayObject;
 using modbus_test::kTargetObject;
 using modbus_test::kUnit;
 using modbus_test::kValveObject;
-using modbus_test::Puppet;
 using modbus_test::Site;
 using modbus_test::TcpClient;
 using std::chrono::milliseconds;
+using support::Puppet;
 
 std::vector<canopen::ObjectAddress> written_objects(const Puppet& puppet) {
   std::vector<canopen::ObjectAddress> objects;

@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 constexpr std::uint8_t kNode = 5;
 
-void fill_dictionary(modbus_test::Puppet& puppet) {
+void fill_dictionary(support::Puppet& puppet) {
   puppet.dictionary = {{{0x1017, 0}, {500, 2}}, {{0x1001, 0}, {0, 1}},      {{0x2021, 1}, {0, 2}},
                        {{0x2021, 2}, {0, 2}},   {{0x2021, 3}, {3, 1}},      {{0x2021, 4}, {0, 2}},
                        {{0x2000, 1}, {0, 2}},   {{0x2000, 2}, {0, 2}},      {{0x2031, 0}, {0, 1}},

@@ -12,7 +12,7 @@
 #include "canopen/virtual_link.h"
 #include "config/model.h"
 #include "tests/support/hand_driven_loop.h"
-#include "tests/unit/modbus/puppet.h"
+#include "tests/support/puppet.h"
 #include "tests/unit/mqtt/fake_broker.h"
 #include "tests/unit/mqtt/site.h"
 
@@ -48,7 +48,7 @@ class PlantSite {
   void stop_bridge();
 
   support::HandDrivenLoop& loop() noexcept { return loop_; }
-  modbus_test::Puppet& puppet() noexcept { return puppet_; }
+  support::Puppet& puppet() noexcept { return puppet_; }
   FakeBroker& broker() noexcept { return *broker_; }
   Bridge& bridge() noexcept { return bridge_; }
   process::Plant& plant() noexcept { return plant_; }
@@ -58,7 +58,7 @@ class PlantSite {
   support::HandDrivenLoop loop_;
   config::Model model_;
   canopen::VirtualBus can_;
-  modbus_test::Puppet puppet_;
+  support::Puppet puppet_;
   canopen::Bus bus_;
   process::Plant plant_;
   FakeBroker* broker_;  ///< Owned by the bridge.

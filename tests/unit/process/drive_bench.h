@@ -53,86 +53,21 @@ class DriveBench : public testing::Test {
   using Bytes = std::vector<std::uint8_t>;
   static constexpr std::uint32_t kRpdo1 = 0x205;
 
-  DriveBench() {
-    bus_.start();
-    slave_.set({0x1000, 0}, canopen::DataType::u32, 0);
-    slave_.set({0x1001, 0}, canopen::DataType::u8, 0);
-    slave_.set({0x1017, 0}, canopen::DataType::u16, 500);
-    for (const canopen::ObjectAddress object : {test::kControl, test::kFrequency, test::kTorque, test::kLimit,
-                                                test::kOutput, test::kTemperature, test::kFaultCode}) {
-      slave_.set(object, canopen::DataType::u16, 0);
-    }
-    slave_.set(test::kStatusWord, canopen::DataType::u16, 0);
-  }
-  ~DriveBench() override {
-    if (drive_) {
-      stop();
-    }
-    const auto stopped = support::spawn(loop_.executor(), bus_.stop());
-    loop_.settle();
-    EXPECT_TRUE(*stopped);
-  }
+  DriveBench();
+  ~DriveBench() override;
 
-  static canopen::BusSettings quiet_bus() {
-    canopen::BusSettings settings;
-    settings.heartbeat = Duration::zero();
-    return settings;
-  }
+  static canopen::BusSettings quiet_bus();
 
-  void start() {
-    drive_ = std::make_unique<Drive>(loop_.executor(), model_, 0, bus_, observers_);
-    drive_->start();
-    loop_.settle();
-  }
-  void stop() {
-    const std::size_t heard = slave_.heard().size();
-    const auto stopped = support::spawn(loop_.executor(), drive_->stop());
-    loop_.settle();
-    EXPECT_TRUE(*stopped);
-    EXPECT_EQ(slave_.heard().size(), heard) << "an end sends nothing";
-    drive_.reset();
-  }
-
+  void start();
+  void stop();
   /// Time passes; an operational slave sends its TPDOs.
-  void run(Duration time) {
-    for (Duration passed{}; passed < time; passed += std::chrono::milliseconds(1)) {
-      loop_.advance(std::chrono::milliseconds(1));
-      next_tpdo_ -= std::chrono::milliseconds(1);
-      if (next_tpdo_ <= Duration::zero()) {
-        send_tpdos();
-      }
-    }
-  }
+  void run(Duration time);
   /// The state of the motor as the next TPDO tells it, which comes at once.
-  void show(Raw status_word) {
-    status_word_ = status_word;
-    send_tpdos();
-  }
-  void send_tpdos() {
-    next_tpdo_ = test::kPeriod;
-    slave_.set(test::kStatusWord, canopen::DataType::u16, status_word_);
-    if (fault_code_readable_) {
-      slave_.set(test::kFaultCode, canopen::DataType::u16, fault_code_);
-    }
-    if (slave_.state() == 5 && !silent_) {
-      slave_.send(0x185, {low(status_word_), high(status_word_), 0, 0, 0x85, 0x13});
-      slave_.send(0x285, {low(fault_code_), high(fault_code_)});
-    }
-    loop_.settle();
-  }
-  void emcy(std::uint16_t code, std::uint8_t error_register) {
-    slave_.send(0x085, {low(code), high(code), error_register, low(code), high(code), 0, 0, 0});
-    loop_.settle();
-  }
-
+  void show(Raw status_word);
+  void send_tpdos();
+  void emcy(std::uint16_t code, std::uint8_t error_register);
   /// The slave boots and the drive is online with fresh values.
-  void bring_online() {
-    start();
-    slave_.boot_up();
-    run(std::chrono::milliseconds(2500));
-    ASSERT_TRUE(drive_->status().online) << drive_->status().boot_text;
-    slave_.forget_heard();
-  }
+  void bring_online();
 
   [[nodiscard]] SignalId signal(std::string_view name) const { return test::id(model_, name); }
   [[nodiscard]] FieldWrite field(std::string_view name, std::variant<Raw, double> value) const {
@@ -142,44 +77,19 @@ class DriveBench : public testing::Test {
     return {way, way == Writer::Way::modbus ? "192.0.2.7" : ""};
   }
 
-  support::Spawned<Outcome> write(std::vector<FieldWrite> fields) {
-    return support::spawn(loop_.executor(), drive_->write(writer(), std::move(fields)));
-  }
+  support::Spawned<Outcome> write(std::vector<FieldWrite> fields);
   /// The outcome, where it comes within some milliseconds.
-  Outcome finish(const support::Spawned<Outcome>& under_way, Duration time = std::chrono::milliseconds(20)) {
-    if (!under_way.done()) {
-      run(time);
-    }
-    EXPECT_TRUE(under_way.done());
-    return under_way.done() ? under_way.get() : Outcome(canopen::Error{});
-  }
-  Outcome write_now(std::vector<FieldWrite> fields) { return finish(write(std::move(fields))); }
-  Outcome nmt_now(canopen::NmtCommand command) {
-    return finish(support::spawn(loop_.executor(), drive_->nmt(writer(), command)));
-  }
-  Outcome sdo_write_now(canopen::ObjectValue value) {
-    return finish(support::spawn(loop_.executor(), drive_->sdo_write(writer(), value)));
-  }
+  Outcome finish(const support::Spawned<Outcome>& under_way, Duration time = std::chrono::milliseconds(20));
+  Outcome write_now(std::vector<FieldWrite> fields);
+  Outcome nmt_now(canopen::NmtCommand command);
+  Outcome sdo_write_now(canopen::ObjectValue value);
   /// All fields of RPDO1 in one command.
-  Outcome write_all(Raw control, double frequency, double torque = 0.0) {
-    return write_now(
-        {field("control_command", control), field("frequency_command", frequency), field("torque_command", torque)});
-  }
+  Outcome write_all(Raw control, double frequency, double torque = 0.0);
   /// All fields were commanded and the motor turns.
-  void run_motor() {
-    ASSERT_TRUE(write_all(1, 30.0).has_value());
-    show(test::kRunningBit);
-    slave_.forget_heard();
-  }
+  void run_motor();
 
   /// The data of the RPDOs heard since the last forget_heard().
-  [[nodiscard]] std::vector<Bytes> rpdos() const {
-    std::vector<Bytes> data;
-    for (const canopen::Frame& frame : slave_.heard_on(kRpdo1)) {
-      data.emplace_back(frame.bytes().begin(), frame.bytes().end());
-    }
-    return data;
-  }
+  [[nodiscard]] std::vector<Bytes> rpdos() const;
   [[nodiscard]] std::vector<canopen::ObjectAddress> sdo_writes() const { return slave_.writes(); }
   [[nodiscard]] const Alarm& alarm(AlarmKind kind) const { return drive_->alarm(kind); }
   [[nodiscard]] bool fresh(std::string_view name) const {

@@ -1,9 +1,9 @@
-#include "tests/unit/modbus/puppet.h"
+#include "tests/support/puppet.h"
 
 #include <algorithm>
 #include <array>
 
-namespace modbus_test {
+namespace support {
 namespace {
 
 constexpr std::uint32_t kNoObject = 0x06020000;
@@ -116,4 +116,4 @@ void Puppet::on_echo(const canopen::Frame& /*frame*/, canopen::TimePoint /*at*/)
 void Puppet::on_bus_state(const canopen::BusState& /*state*/) {}
 void Puppet::on_frames_lost(std::uint32_t /*count*/) {}
 
-}  // namespace modbus_test
+}  // namespace support

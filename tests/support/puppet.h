@@ -11,7 +11,7 @@
 #include "canopen/object.h"
 #include "canopen/virtual_link.h"
 
-namespace modbus_test {
+namespace support {
 
 /// A CANopen node on strings: it answers SDO from its dictionary and follows NMT; all else it does when a test says so.
 class Puppet final : public canopen::LinkEvents {
@@ -50,4 +50,4 @@ class Puppet final : public canopen::LinkEvents {
   std::unique_ptr<canopen::Link> link_;
 };
 
-}  // namespace modbus_test
+}  // namespace support
