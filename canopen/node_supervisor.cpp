@@ -52,6 +52,13 @@ void RemoteNode::Supervisor::start() {
   });
 }
 
+void RemoteNode::Supervisor::close() {
+  closing_ = true;
+  if (phase_ != Phase::online) {
+    leave_service();
+  }
+}
+
 boost::asio::awaitable<void> RemoteNode::Supervisor::stop() {
   stopping_ = true;
   subscriptions_.clear();
@@ -70,10 +77,10 @@ bool RemoteNode::Supervisor::tpdo_verified(std::uint16_t number) const noexcept 
 }
 
 boost::asio::awaitable<void> RemoteNode::Supervisor::run() {
-  while (!stopping_) {
+  while (!stopping_ && !closing_) {
     const TimePoint begun = Clock::now();
     co_await live_once();
-    if (!stopping_ && Clock::now() < begun + kBreath) {
+    if (!stopping_ && !closing_ && Clock::now() < begun + kBreath) {
       co_await changed_.wait_until(begun + kBreath);
     }
   }
@@ -90,6 +97,9 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::live_once() {
   searching_ = true;
   const FoundState found = co_await learn_state({sdo_, bus_, settings_, signs_, changed_});
   searching_ = false;
+  if (closing_) {
+    co_return;
+  }
   start_requested_ = false;
   gave_up_ = false;
   if (stopping_ || !bus_.state().up()) {

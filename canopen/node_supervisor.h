@@ -37,6 +37,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   Supervisor& operator=(const Supervisor&) = delete;
 
   void start();
+  void close();
   boost::asio::awaitable<void> stop();
 
   [[nodiscard]] const NodeSettings& settings() const noexcept { return settings_; }
@@ -152,6 +153,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   bool searching_ = false;          ///< The state is being learnt.
   bool gave_up_ = false;            ///< A boot or takeover ended without a verdict.
   bool running_ = false;
+  bool closing_ = false;
   bool stopping_ = false;
   std::size_t operations_ = 0;
 

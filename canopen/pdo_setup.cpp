@@ -16,6 +16,7 @@ constexpr std::uint8_t kTransmissionType = 2;
 constexpr std::uint8_t kInhibitTime = 3;
 constexpr std::uint8_t kEventTimer = 5;
 
+constexpr Raw kIdentifier = 0x1FFF'FFFF;
 constexpr Raw kInvalid = 0x8000'0000;  // Bit 31: the PDO does not exist.
 constexpr Raw kRtrForbidden =
     0x4000'0000;  // Bit 30; real devices keep it as they like, it says nothing about the COB-ID.
@@ -86,9 +87,13 @@ boost::asio::awaitable<Comparison> PdoSetup::compare() {
     }
     co_await compare_parameters(found);
   } else if (pdo_.mapping_policy == SetupPolicy::write && (found.cob_id & kInvalid) != 0) {
-    // An earlier set-up of the mapping that was interrupted leaves it like that; no TPDO would ever come.
+    // An earlier set-up of the mapping that was interrupted leaves it like that; no TPDO would ever come. Another
+    // COB-ID was never meant to be used.
     found.cob_id_differs = true;
     note(found, pdo_.mapping_policy, cob_id_item(found.cob_id & ~kInvalid), found.cob_id);
+    if ((found.cob_id & kIdentifier) != pdo_.cob_id) {
+      found.failure = session_.difference(name_ + " is switched off and has another COB-ID than assumed");
+    }
   }
   if (!found.failure && pdo_.mapping_policy != SetupPolicy::assume) {
     co_await compare_mapping(found);

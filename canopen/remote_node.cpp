@@ -40,6 +40,10 @@ boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, Dat
   return supervisor_->write(object, type, raw, deadline);
 }
 
+void RemoteNode::close() {
+  supervisor_->close();
+}
+
 boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, TimePoint deadline) {
   return supervisor_->command(command, deadline);
 }

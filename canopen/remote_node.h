@@ -33,6 +33,9 @@ class RemoteNode {
   /// The drive confirmed (or was given) the transmission type and timers of this TPDO, so `period` can be relied on.
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
 
+  /// The end is near: a node that is not in service is neither configured nor started any more. Before stop().
+  void close();
+
   /// SDO upload with retries. Refused as offline while the node does not answer SDOs at all, or is stopped.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
   /// SDO download of a command: sent once, withdrawn when not begun by `deadline`, outcome unknown when begun and

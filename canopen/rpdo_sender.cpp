@@ -11,7 +11,6 @@ namespace {
 
 // Two repetitions may be lost before the node's event timer runs out.
 constexpr int kRepeatsPerEventTimer = 3;
-constexpr int kHeldRepeats = 2;
 constexpr Duration kFastestRepeat = std::chrono::milliseconds(5);
 
 Duration repeat_time(const PdoSettings& settings) noexcept {
@@ -46,7 +45,8 @@ RpdoSender::RpdoSender(const boost::asio::any_io_executor& executor, Bus& bus, s
     : executor_(executor), bus_(bus), node_(node), turn_event_(executor) {
   entries_.reserve(rpdos.size());  // The repetitions keep references.
   for (const PdoSettings& settings : rpdos) {
-    Entry& entry = entries_.emplace_back(Entry{Rpdo(settings), Rpdo(settings), repeat_time(settings), nullptr, TimePoint::min()});
+    Entry& entry =
+        entries_.emplace_back(Entry{Rpdo(settings), Rpdo(settings), repeat_time(settings), nullptr, TimePoint{}});
     entry.repetition = std::make_unique<WakeUp>(executor_, [this, &entry] { repeat(entry); });
   }
 }
@@ -116,9 +116,10 @@ boost::asio::awaitable<Result<void>> RpdoSender::transmit(Entry& entry, std::vec
 
 void RpdoSender::hold(ObjectAddress object) noexcept {
   for (Entry& entry : entries_) {
-    if (entry.rpdo.maps(object)) {
-      entry.held_until = Clock::now() + kHeldRepeats * entry.repeat;
-      bus_.withdraw(entry.rpdo.cob_id());
+    const TimePoint now = Clock::now();
+    // Not again before a repetition has gone: of a row of writes each would hold it on.
+    if (entry.rpdo.maps(object) && now >= entry.held_until + entry.repeat) {
+      entry.held_until = now + entry.repeat;
     }
   }
 }
@@ -126,8 +127,8 @@ void RpdoSender::hold(ObjectAddress object) noexcept {
 void RpdoSender::note(const ObjectValue& value) noexcept {
   for (Entry& entry : entries_) {
     entry.rpdo.note(value);
-    if (entry.rpdo.maps(value.object)) {
-      entry.held_until = TimePoint::min();
+    if (entry.rpdo.maps(value.object) && entry.held_until > Clock::now()) {
+      entry.held_until = Clock::now();
     }
   }
 }

@@ -31,8 +31,8 @@ class RpdoSender {
   [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept;
   [[nodiscard]] bool complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept;
   boost::asio::awaitable<Result<void>> send(std::uint16_t number, std::vector<ObjectValue> fields, TimePoint deadline);
-  /// A command of `object` goes by SDO now: its RPDO is not repeated for a while, or it would bring back the value of
-  /// before. For two repetitions at most, so that the node does not trip; note() and forget() end it.
+  /// A command of `object` goes by SDO now: its RPDO is not repeated until note(), or it would bring back the value of
+  /// before. One repetition at most is left out, so that the node does not trip.
   void hold(ObjectAddress object) noexcept;
   void note(const ObjectValue& value) noexcept;
   void forget(ObjectAddress object) noexcept;
@@ -54,7 +54,7 @@ class RpdoSender {
     Rpdo blank;       ///< Never commanded: tells whether fields are complete by themselves.
     Duration repeat;  ///< Zero: not repeated.
     std::unique_ptr<WakeUp> repetition;
-    TimePoint held_until = TimePoint::min();
+    TimePoint held_until{};
   };
 
   boost::asio::awaitable<Result<void>> transmit(Entry& entry, std::vector<ObjectValue> fields, TimePoint deadline);

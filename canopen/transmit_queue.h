@@ -63,7 +63,7 @@ class TransmitQueue {
   void service(TimePoint now);
   [[nodiscard]] std::optional<TimePoint> next_time() const noexcept;
   [[nodiscard]] bool idle() const noexcept { return waiting_.empty(); }
-  /// Commands wait for a sign of life, and no frame of ours waits or is under way that could bring one.
+  /// Commands or repetitions wait for a sign of life, and no frame of ours waits or is under way that could bring one.
   [[nodiscard]] bool wants_sign_of_life(TimePoint now) const noexcept;
 
  private:

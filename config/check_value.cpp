@@ -68,8 +68,8 @@ void ValueCheck::duration(const Node& node, const Key& key) {
     complain_(node.place, path_ + " " + in_quotes(node.text) +
                               " is no duration; write a number with us, ms, s, min or h, " + "such as \"500ms\"");
   } else if (duration->count() < key.min || duration->count() > key.max) {
-    complain_(node.place, path_ + " " + in_quotes(node.text) + " is out of range " + to_text(canopen::Duration(key.min)) +
-                              ".." + to_text(canopen::Duration(key.max)));
+    complain_(node.place, path_ + " " + in_quotes(node.text) + " is out of range " +
+                              to_text(canopen::Duration(key.min)) + ".." + to_text(canopen::Duration(key.max)));
   }
 }
 
@@ -79,8 +79,8 @@ void ValueCheck::choice(const Node& node, const Key& key) {
   }
   const auto choices = parts_of(key.choices);
   if (std::find(choices.begin(), choices.end(), node.text) == choices.end()) {
-    complain_(node.place,
-              path_ + " " + in_quotes(node.text) + " is not known; nearest is " + in_quotes(nearest(node.text, choices)));
+    complain_(node.place, path_ + " " + in_quotes(node.text) + " is not known; nearest is " +
+                              in_quotes(nearest(node.text, choices)));
   }
 }
 

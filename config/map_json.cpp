@@ -81,8 +81,8 @@ std::optional<std::string> set_topic(const Model& model, const Drive& drive, con
 }
 
 std::string render_map_json(const Model& model) {
-  std::string out =
-      "{\"gateway\": " + json_text(model.gateway.name) + ", \"base\": " + json_text(base_topic(model)) + ",\n \"drives\": [";
+  std::string out = "{\"gateway\": " + json_text(model.gateway.name) + ", \"base\": " + json_text(base_topic(model)) +
+                    ",\n \"drives\": [";
   bool first_drive = true;
   for (const Drive& drive : model.drives) {
     const std::string bus = drive.bus < model.buses.size() ? model.buses[drive.bus].name : "";

@@ -73,8 +73,9 @@ constexpr std::array kErrorControlKeys{
     Key{.name = "guarding",
         .kind = KeyKind::boolean,
         .standard = "false",
-        .meaning = "It answers node guarding; asked once for its state, when found without a heartbeat. Guarding does not "
-                   "supervise it."}};
+        .meaning =
+            "It answers node guarding; asked once for its state, when found without a heartbeat. Guarding does not "
+            "supervise it."}};
 
 constexpr std::array kSdoKeys{Key{.name = "timeout",
                                   .kind = KeyKind::duration,

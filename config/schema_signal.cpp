@@ -6,7 +6,6 @@
 namespace config {
 namespace {
 
-
 constexpr std::array kSignalKeys{
     Key{.name = "enabled",
         .kind = KeyKind::boolean,

@@ -90,8 +90,8 @@ void Gateway::start() {
   }
 }
 
-// No command begins any more; those that have begun still get their answer on MQTT. Modbus clients are gone at once, and
-// what they began ends with the plant.
+// No command begins any more; those that have begun still get their answer on MQTT. Modbus clients are gone at once,
+// and what they began ends with the plant.
 boost::asio::awaitable<void> Gateway::stop() {
   if (modbus_) {
     modbus_->close();

@@ -53,7 +53,7 @@ class Requests {
   [[nodiscard]] canopen::Result<void> begin_set(const Incoming& incoming, const Command& command);
   [[nodiscard]] canopen::Result<void> begin_nmt(const Incoming& incoming, const Command& command);
   [[nodiscard]] canopen::Result<void> begin_sdo(const Incoming& incoming, const Command& command);
-  /// Refuses what is too much at a time.
+  /// Counts what is under way.
   void spawn(const process::Drive& drive, boost::asio::awaitable<void> work);
   [[nodiscard]] process::Drive* find_drive(std::string_view name);
 

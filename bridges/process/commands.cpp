@@ -172,10 +172,6 @@ std::optional<Error> Commands::refuse_nmt(canopen::NmtCommand command) const {
   if (image_.raw(static_cast<SignalId>(*model_.faults.running)) != 0) {
     return error(ErrorKind::forbidden, "the motor runs; nmt_while_running would allow it");
   }
-  const auto& quick_stop = model_.faults.quick_stop;
-  if (quick_stop && image_.raw(static_cast<SignalId>(*quick_stop)) != 0) {
-    return error(ErrorKind::forbidden, "the motor may still brake in its quick stop; nmt_while_running would allow it");
-  }
   return std::nullopt;
 }
 
@@ -201,11 +197,8 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
     const WriteStep step = next_step(model_, node_, remaining, allow_rpdo);
     Outcome outcome = co_await sender_.send(step, arrival.knowledge, arrival.deadline);
     const bool withdrawn = step.rpdo != 0 && outcome.has_error() && outcome.error().kind == ErrorKind::incomplete;
-    if (outcome.has_error() && outcome.error().outcome_unknown) {
-      unknown_(signals_of(step));
-    }
+    tell(step, outcome, arrival);
     if (outcome.has_value()) {
-      confirm(step);
       for (const Field& field : step.fields) {
         written += (written.empty() ? "" : ", ") + model_.signals[field.signal].name;
         std::erase_if(remaining, [&](const Field& other) { return other.signal == field.signal; });
@@ -224,11 +217,19 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
   co_return Outcome();
 }
 
-void Commands::confirm(const WriteStep& step) {
-  for (const Field& field : step.fields) {
-    image_.commanded_[field.signal] = field.raw;
+void Commands::tell(const WriteStep& step, const Outcome& outcome, const Arrival& arrival) {
+  const std::vector<SignalId> signals = signals_of(step);
+  if (outcome.has_value()) {
+    for (const Field& field : step.fields) {
+      image_.commanded_[field.signal] = field.raw;
+    }
+    confirmed_(signals);
   }
-  confirmed_(signals_of(step));
+  // What a command was worth may have ended before its confirmation came.
+  const bool outdated = session_ != arrival.session || sender_.knowledge() != arrival.knowledge;
+  if (outcome.has_value() ? outdated : outcome.error().outcome_unknown) {
+    unknown_(signals);
+  }
 }
 
 std::vector<SignalId> Commands::signals_of(const WriteStep& step) {

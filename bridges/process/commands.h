@@ -48,8 +48,8 @@ class Commands {
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();
-  /// A fault came or went, or a quick stop began: what was commanded before is neither to be sent again by a set-point
-  /// nor repeated.
+  /// A fault came or went, or a quick stop that nobody commanded began: what was commanded before is neither to be sent
+  /// again by a set-point nor repeated.
   void on_fault();
   /// The motor came to a stop, or nobody can tell any more whether it turns: likewise.
   void on_standstill();
@@ -76,7 +76,8 @@ class Commands {
   /// Nothing where the command has its turn and the drive is still the one it was meant for.
   boost::asio::awaitable<std::optional<canopen::Error>> await_turn(const CommandQueue::Ticket& ticket, Arrival arrival);
   boost::asio::awaitable<Outcome> carry_out(std::vector<Field> fields, Arrival arrival);
-  void confirm(const WriteStep& step);
+  /// What a step has left behind.
+  void tell(const WriteStep& step, const Outcome& outcome, const Arrival& arrival);
   [[nodiscard]] static std::vector<SignalId> signals_of(const WriteStep& step);
   [[nodiscard]] bool running_is_fresh() const;
 

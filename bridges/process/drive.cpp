@@ -19,7 +19,7 @@ void Drive::start() {
 }
 
 void Drive::close() {
-  body_->commands().close();
+  body_->close();
 }
 
 awaitable<void> Drive::stop() {

@@ -32,7 +32,8 @@ class Drive {
   Drive& operator=(const Drive&) = delete;
 
   void start();
-  /// Commands that have not begun, and all that come from now on, are answered `offline`.
+  /// The end is near: commands that have not begun, and all that come from now on, are answered `offline`; a drive that
+  /// is not in service is neither configured nor started any more.
   void close();
   /// Pending commands are answered `offline`. Sends nothing to the drive.
   boost::asio::awaitable<void> stop();

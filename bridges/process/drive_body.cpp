@@ -18,13 +18,14 @@ Drive::Body::Body(const boost::asio::any_io_executor& executor, const config::Dr
       inputs_(
           model, image_, [this](std::uint16_t tpdo) { return node_.tpdo_verified(tpdo); }, *this),
       alarms_(model, [this](AlarmKind kind) { tell([&](Observer& observer) { observer.on_alarm(drive_, kind); }); }),
-      commands_(executor, model, node_, image_,
-                [this](std::span<const SignalId> signals) {
-                  tell([&](Observer& observer) { observer.on_commanded(drive_, signals); });
-                },
-                [this](std::span<const SignalId> signals) {
-                  tell([&](Observer& observer) { observer.on_outcome_unknown(drive_, signals); });
-                }),
+      commands_(
+          executor, model, node_, image_,
+          [this](std::span<const SignalId> signals) {
+            tell([&](Observer& observer) { observer.on_commanded(drive_, signals); });
+          },
+          [this](std::span<const SignalId> signals) {
+            tell([&](Observer& observer) { observer.on_outcome_unknown(drive_, signals); });
+          }),
       reader_(executor, model, node_, inputs_, alarms_),
       expiry_(executor,
               [this] {
@@ -49,8 +50,13 @@ void Drive::Body::start() {
   reader_.start();
 }
 
-boost::asio::awaitable<void> Drive::Body::stop() {
+void Drive::Body::close() {
   commands_.close();
+  node_.close();
+}
+
+boost::asio::awaitable<void> Drive::Body::stop() {
+  close();
   co_await node_.stop();
   co_await reader_.stop();
   co_await commands_.until_idle();
@@ -161,8 +167,7 @@ void Drive::Body::void_commands(SourceId source) {
   if (is_from(quick_stop_, source)) {
     const bool quick_stop = image_.raw(quick_stop_->signal) != 0;
     if (!std::exchange(had_quick_stop_, quick_stop) && quick_stop) {
-      // Repeating "enable operation" would end it (CiA 402, transition 16).
-      commands_.on_fault();
+      on_quick_stop();
     }
   }
   if (is_from(fault_, source)) {
@@ -170,6 +175,18 @@ void Drive::Body::void_commands(SourceId source) {
     if (std::exchange(had_fault_, fault) != fault) {
       commands_.on_fault();
     }
+  }
+}
+
+/// Repeating "enable operation" would end a quick stop that the drive entered by itself (CiA 402, transition 16). Where
+/// it was commanded, the word that did it goes on: a drive that supervises its RPDOs would trip and perhaps coast.
+void Drive::Body::on_quick_stop() {
+  constexpr canopen::Raw kNoQuickStop = 0x0004;  // Controlword bit 2, CiA 402.
+  const auto control = model_.find("control_command");
+  if (control && (image_.commanded(static_cast<SignalId>(*control)) & kNoQuickStop) == 0) {
+    commands_.on_standstill();
+  } else {
+    commands_.on_fault();
   }
 }
 

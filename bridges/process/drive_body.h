@@ -31,6 +31,7 @@ class Drive::Body final : private canopen::NodeEvents, private Inputs::Listener 
   Body& operator=(const Body&) = delete;
 
   void start();
+  void close();
   boost::asio::awaitable<void> stop();
 
   [[nodiscard]] const config::Drive& model() const noexcept { return model_; }
@@ -69,6 +70,7 @@ class Drive::Body final : private canopen::NodeEvents, private Inputs::Listener 
     return indicator && indicator->source == source;
   }
   void void_commands(SourceId source);
+  void on_quick_stop();
   void tell_alarms(SourceId source);
   void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
   void watch_bits(canopen::TimePoint now);

@@ -53,10 +53,12 @@ void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
   if (same != entries_.end()) {
     same->error.vendor = emcy.vendor;
     same->error.text = std::move(named.text);
-    same->error.severity = named.severity;
+    if (same->origin != Origin::emcy || same->tabled != named.severity) {
+      same->error.severity = named.severity;  // Else the drive's bits may have said better.
+      same->tabled = named.severity;
+    }
     same->origin = Origin::emcy;
     same->drive_code = emcy.drive_code;
-    same->tabled = named.severity;
     same->seen_set = false;
     same->clear_since.reset();
     return;
@@ -110,16 +112,14 @@ bool Emergencies::on_bit_set(Severity severity, Duration period, TimePoint at, W
   if (has(severity)) {
     return !std::exchange(evidence_, true);
   }
-  if (adopt(severity)) {
-    evidence_ = true;
-    return true;
-  }
   if (state.reset_at && at - *state.reset_at < kBelievedPeriods * period) {
     return false;
   }
   state.reset_at.reset();
   evidence_ = true;
-  raise_from_bit(severity, wall);
+  if (!adopt(severity)) {
+    raise_from_bit(severity, wall);
+  }
   return true;
 }
 
@@ -139,9 +139,11 @@ bool Emergencies::on_bit_clear(Severity severity, Duration period, TimePoint at)
 bool Emergencies::adopt(Severity severity) {
   const Bit& other = bit(severity == Severity::fault ? Severity::warning : Severity::fault);
   const bool alone = other.known && !other.set;
+  const bool needed_as_fault = severity == Severity::warning && other.set;
   bool any = false;
   for (Entry& entry : entries_) {
-    if (entry.origin == Origin::emcy && ((alone && !entry.seen_set) || entry.tabled == severity)) {
+    const bool its_own = entry.tabled == severity && !needed_as_fault;
+    if (entry.origin == Origin::emcy && ((alone && !entry.seen_set) || its_own)) {
       entry.error.severity = severity;
       entry.seen_set = true;
       entry.clear_since.reset();

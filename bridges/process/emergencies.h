@@ -66,8 +66,8 @@ class Emergencies {
     Origin origin = Origin::emcy;
     std::optional<std::uint64_t> drive_code;
     config::Severity tabled = config::Severity::fault;  ///< What its text's table says; the drive's bits know better.
-    bool seen_set = false;                            ///< Its bit was received set after its emergency.
-    std::optional<canopen::TimePoint> clear_since{};  ///< Since when its bit is received clear.
+    bool seen_set = false;                              ///< Its bit was received set after its emergency.
+    std::optional<canopen::TimePoint> clear_since{};    ///< Since when its bit is received clear.
   };
   struct Bit {
     bool known = false;
@@ -86,7 +86,8 @@ class Emergencies {
   void clear_all(canopen::TimePoint at);
   bool on_bit_set(config::Severity severity, canopen::Duration period, canopen::TimePoint at, canopen::WallTime wall);
   bool on_bit_clear(config::Severity severity, canopen::Duration period, canopen::TimePoint at);
-  /// The bit of this severity alone is set: emergencies that the table gave another one are of this one. False: none.
+  /// The bit of this severity is set and no error has it: emergencies of the other are of this one where their own bit
+  /// was never seen set, or where the table says so. False: none.
   bool adopt(config::Severity severity);
   void raise_from_bit(config::Severity severity, canopen::WallTime wall);
   void raise_from_readings(const ErrorReadings& readings, canopen::WallTime wall);

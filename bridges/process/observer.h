@@ -21,7 +21,8 @@ class Observer {
   virtual void on_freshness(const Drive& drive, std::span<const SignalId> signals) = 0;
   /// A command was confirmed: Image::commanded() of these changed.
   virtual void on_commanded(const Drive& drive, std::span<const SignalId> signals) = 0;
-  /// Nobody knows whether a command of these took effect: what was confirmed before may not stand any more.
+  /// Nobody knows what of these stands: the outcome of a command is unknown, or the drive left operational, faulted or
+  /// came to a stop before its confirmation came.
   virtual void on_outcome_unknown(const Drive& /*drive*/, std::span<const SignalId> /*signals*/) {}
   /// Online, NMT state, boot result or counters changed.
   virtual void on_status(const Drive& drive) = 0;

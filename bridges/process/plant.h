@@ -31,7 +31,7 @@ class Plant {
   /// Before start(); observers outlive the plant or its stop().
   void add(Observer& observer);
   void start();
-  /// Commands that have not begun, and all that come from now on, are answered `offline`.
+  /// The end is near, see Drive::close(). Before stop().
   void close();
   boost::asio::awaitable<void> stop();
 

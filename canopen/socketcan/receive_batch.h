@@ -17,7 +17,7 @@ namespace canopen::socketcan {
 /// One call of recvmmsg: many frames for one system call and one look at the clock.
 class ReceiveBatch {
  public:
-  static constexpr std::size_t kCapacity = 256;
+  static constexpr std::size_t kCapacity = 128;
 
   struct Item {
     Frame frame;

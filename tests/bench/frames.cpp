@@ -218,8 +218,7 @@ class FrameBench {
 void frames(const std::string& interface) {
   const auto measure = [&](std::string what, Receive ceiling) {
     FrameBench bench(interface, ceiling);
-    print(compare(
-        std::move(what), "frames/s", 10, [&] { return bench.ceiling(); }, [&] { return bench.gateway(); }));
+    print(compare(std::move(what), "frames/s", 10, [&] { return bench.ceiling(); }, [&] { return bench.gateway(); }));
   };
   measure("frames to image, of bare recvmmsg", Receive::frames);
   measure("frames to image, of recvmmsg with times", Receive::with_all_facts);

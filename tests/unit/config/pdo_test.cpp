@@ -97,7 +97,7 @@ TEST(Pdos, RefuseWhatCannotWork) {
 TEST(Pdos, HoldSixtyFourBits) {
   EXPECT_THAT(
       pdo_error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:02 u32\", \"0x2000:03 u16\", \"0x2000:04 bool\"] "
-                 "}\n"),
+                     "}\n"),
       HasSubstr("7:17: error: drive \"a\": tpdo1: map has 65 bits; a PDO holds 64"));
 }
 
@@ -115,7 +115,7 @@ TEST(Pdos, ServeSignalsTheRightWayRound) {
               HasSubstr("is mapped in rpdo1, which cannot be read back"));
   EXPECT_THAT(
       pdo_error_with("[drive.signals.second]\nobject = \"0x2001:02\"\ntype = \"i16\"\naccess = \"write\"\naddress = "
-                 "300\n"),
+                     "300\n"),
       HasSubstr("writes 0x2001:02, as \""));
 }
 

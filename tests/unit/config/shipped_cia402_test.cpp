@@ -43,7 +43,7 @@ TEST(Cia402, TellsItsStates) {
   const auto& fault = signal_of(drive, "fault");
   const auto& ready = signal_of(drive, "ready");
   EXPECT_TRUE(holds(running, 0x0637));   // operation enabled
-  EXPECT_FALSE(holds(running, 0x0617));  // quick stop active: a run command given before must not come back
+  EXPECT_TRUE(holds(running, 0x0617));   // quick stop active: braking, or held energised
   EXPECT_TRUE(holds(running, 0x061F));   // fault reaction active
   EXPECT_TRUE(holds(running, 0x063F));
   EXPECT_FALSE(holds(running, 0x0633));  // switched on
@@ -57,6 +57,9 @@ TEST(Cia402, TellsItsStates) {
   EXPECT_TRUE(holds(ready, 0x0637));
   EXPECT_FALSE(holds(ready, 0x0640));
   EXPECT_TRUE(signal_of(drive, "reverse").derived->negative);
+  ASSERT_TRUE(drive.faults.quick_stop) << "a run command given before it must not come back";
+  EXPECT_TRUE(holds(drive.signals[*drive.faults.quick_stop], 0x0617));
+  EXPECT_FALSE(holds(drive.signals[*drive.faults.quick_stop], 0x0637));
 }
 
 TEST(Opte6, MapsCia402ObjectsAndSupervisesNoRpdo) {

@@ -243,12 +243,12 @@ TEST_F(CommandsTest, RepetitionDoesNotBringBackWhatAnSdoWriteIsJustChanging) {
   slave_.forget_heard();
   run(150ms);
   ASSERT_FALSE(rpdos().empty());
-  slave_.delay_answers(150ms);
+  slave_.delay_answers(80ms);
   slave_.forget_heard();
   const auto stop_command = write({field("control_command", Raw{5})});
-  run(140ms);
+  run(75ms);
   EXPECT_TRUE(rpdos().empty()) << "still with the run command";
-  ASSERT_TRUE(finish(stop_command, 200ms).has_value());
+  ASSERT_TRUE(finish(stop_command, 20ms).has_value());
   slave_.forget_heard();
   run(250ms);
   ASSERT_FALSE(rpdos().empty());
@@ -260,7 +260,8 @@ TEST_F(CommandsTest, QuickStopMakesEarlierCommandsVoidAndEndsTheirRepetition) {
   model_.faults.quick_stop = model_.find("quick_stop_active");
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
-  run_motor();
+  ASSERT_TRUE(write_all(0x0F, 30.0).has_value());  // Enable operation.
+  show(test::kRunningBit);
   show(kQuickStopBit);
   slave_.forget_heard();
   run(2s);
@@ -268,14 +269,44 @@ TEST_F(CommandsTest, QuickStopMakesEarlierCommandsVoidAndEndsTheirRepetition) {
   expect_setpoint_goes_alone();
 }
 
-TEST_F(CommandsTest, WhileItMayBrakeInAQuickStopADriveIsNotStopped) {
+TEST_F(CommandsTest, ACommandedQuickStopGoesOnBeingRepeated) {
   model_.signals.push_back(test::bit("quick_stop_active", 0, kQuickStopBit));
   model_.faults.quick_stop = model_.find("quick_stop_active");
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
+  run_motor();
+  ASSERT_TRUE(write_all(0x02, 30.0).has_value());
   show(kQuickStopBit);
-  expect_refused(nmt_now(NmtCommand::reset_node), ErrorKind::forbidden);
+  slave_.forget_heard();
+  run(1s);
+  EXPECT_GE(rpdos().size(), 9U) << "a drive that supervises it would trip, and perhaps coast";
+  EXPECT_EQ(rpdos().back()[0], 0x02);
+}
+
+TEST_F(CommandsTest, ARowOfSdoWritesHoldsBackOneRepetitionAtMost) {
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online();
+  run_motor();
   show(0);
-  EXPECT_TRUE(nmt_now(NmtCommand::stop).has_value());
+  slave_.delay_answers(60ms);
+  slave_.forget_heard();
+  for (int i = 0; i < 10; ++i) {
+    const auto setting = write({field("frequency_command", 10.0 + i)});
+    ASSERT_TRUE(finish(setting, 200ms).has_value());
+  }
+  EXPECT_GE(rpdos().size(), 3U) << "it trips after 300 ms of silence";
+}
+
+TEST_F(CommandsTest, WhatWasConfirmedAfterTheDriveLeftOperationalIsToldAsUnknown) {
+  bring_online();
+  show(0);
+  slave_.delay_answers(50ms);
+  const auto control = write({field("control_command", Raw{1})});
+  run(10ms);
+  slave_.set_state(127);
+  slave_.send(0x705, {127});
+  ASSERT_TRUE(finish(control, 100ms).has_value()) << "it had left already";
+  EXPECT_EQ(observer_.unknown, (std::vector<std::vector<SignalId>>{{signal("control_command")}}));
 }
 
 TEST_F(CommandsTest, TellsOfWhichSignalsTheOutcomeIsUnknown) {

@@ -52,14 +52,17 @@ TEST(Sdo, NumbersMayComeInSegmentsToo) {
   ASSERT_TRUE(bench.sdo(kServer, {0x0B, 0xE8, 0x03, 0, 0, 0, 0, 0}).has_value());
   EXPECT_EQ(bench.read(kServer, 0x1017, 0), 1000U);
   ASSERT_TRUE(bench.sdo(kServer, {0x21, 0x17, 0x10, 0, 3, 0, 0, 0}).has_value());
-  EXPECT_EQ(bench.sdo(kServer, {0x09, 1, 2, 3, 0, 0, 0, 0}), frame(0x586, {0x80, 0x17, 0x10, 0, 0x10, 0x00, 0x07, 0x06}));
+  EXPECT_EQ(bench.sdo(kServer, {0x09, 1, 2, 3, 0, 0, 0, 0}),
+            frame(0x586, {0x80, 0x17, 0x10, 0, 0x10, 0x00, 0x07, 0x06}));
 }
 
 TEST(Sdo, AWrongToggleEndsTheTransfer) {
   OneDrive bench("vacon-opte6", kServer);
   ASSERT_TRUE(bench.sdo(kServer, {0x40, 0x08, 0x10, 0, 0, 0, 0, 0}).has_value());
-  EXPECT_EQ(bench.sdo(kServer, {0x70, 0, 0, 0, 0, 0, 0, 0}), frame(0x586, {0x80, 0x08, 0x10, 0, 0x00, 0x00, 0x03, 0x05}));
-  EXPECT_EQ(bench.sdo(kServer, {0x60, 0, 0, 0, 0, 0, 0, 0}), frame(0x586, {0x80, 0x08, 0x10, 0, 0x01, 0x00, 0x04, 0x05}));
+  EXPECT_EQ(bench.sdo(kServer, {0x70, 0, 0, 0, 0, 0, 0, 0}),
+            frame(0x586, {0x80, 0x08, 0x10, 0, 0x00, 0x00, 0x03, 0x05}));
+  EXPECT_EQ(bench.sdo(kServer, {0x60, 0, 0, 0, 0, 0, 0, 0}),
+            frame(0x586, {0x80, 0x08, 0x10, 0, 0x01, 0x00, 0x04, 0x05}));
 }
 
 TEST(Sdo, TheMastersAbortEndsTheTransferInSilence) {
