@@ -42,9 +42,9 @@ TEST(Cia402, TellsItsStates) {
   const auto& running = signal_of(drive, "running");
   const auto& fault = signal_of(drive, "fault");
   const auto& ready = signal_of(drive, "ready");
-  EXPECT_TRUE(holds(running, 0x0637));   // operation enabled
-  EXPECT_TRUE(holds(running, 0x0617));   // quick stop active: braking, or held energised
-  EXPECT_TRUE(holds(running, 0x061F));   // fault reaction active
+  EXPECT_TRUE(holds(running, 0x0637));  // operation enabled
+  EXPECT_TRUE(holds(running, 0x0617));  // quick stop active: braking, or held energised
+  EXPECT_TRUE(holds(running, 0x061F));  // fault reaction active
   EXPECT_TRUE(holds(running, 0x063F));
   EXPECT_FALSE(holds(running, 0x0633));  // switched on
   EXPECT_FALSE(holds(running, 0x0640));  // switch on disabled
