@@ -239,6 +239,7 @@ void Emergencies::raise_from_readings(const ErrorReadings& readings, WallTime wa
                                 wall},
                       .origin = Origin::error_register,
                       .drive_code = code});
+  keep_few();
   name_by_history(code == 0 ? readings.history.value_or(0) : std::uint16_t{0});
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 /// Pause before a drive that did not answer is asked for its errors again.
 constexpr canopen::Duration kCheckAgain = std::chrono::seconds(5);
-/// Checks are no more frequent, however often frames are lost: polls have their turn between.
+/// Checks are no more frequent, however often frames are lost or emergencies come: polls have their turn between.
 constexpr canopen::Duration kCheckPause = std::chrono::seconds(1);
 
 }  // namespace
@@ -80,7 +80,7 @@ boost::asio::awaitable<void> Reader::read_errors() {
   const canopen::TimePoint now = canopen::Clock::now();
   if (alarms_.emergencies().received() != emergencies) {
     // An emergency came meanwhile, which these answers may not know of.
-    check_at_ = std::min(check_at_, now);
+    check_at_ = std::min(check_at_, std::max(now, not_before_));
     co_return;
   }
   alarms_.on_readings(check.readings, now, canopen::wall_now());
