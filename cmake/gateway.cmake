@@ -61,7 +61,7 @@ endfunction()
 if((GATEWAY_TESTS OR GATEWAY_VCAN_TESTS) AND NOT GATEWAY_FUZZ)
   find_package(GTest 1.12 REQUIRED CONFIG)
   gateway_precompiled(precompiled_test GTest::gmock GTest::gtest)
-  target_precompile_headers(precompiled_test PRIVATE ${GATEWAY_COMMON_HEADERS} <gtest/gtest.h>)
+  target_precompile_headers(precompiled_test PRIVATE ${GATEWAY_COMMON_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
 endif()
 
 # Tests find files of the repository with GATEWAY_SOURCE_DIR, an absolute path without a slash at its end.
