@@ -15,10 +15,6 @@ target_compile_options(gateway_options INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Wnon-virtual-dtor
   -Woverloaded-virtual -Werror)
 
-# clang calls std::stable_sort of Debian's libstdc++ 12 deprecated from its inside. g++, which builds what is delivered,
-# tells of deprecated functions as before.
-target_compile_options(gateway_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations>)
-
 add_compile_options("$<$<CONFIG:Release>:-g1;-fstack-protector-strong;-D_FORTIFY_SOURCE=2>")
 add_link_options("$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>")
 if(GATEWAY_SANITIZE)

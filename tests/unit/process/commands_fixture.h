@@ -34,6 +34,20 @@ class CommandsTest : public DriveBench {
     EXPECT_EQ(sdo_writes(), Objects{test::kFrequency});
     EXPECT_EQ(slave_.value(test::kFrequency), 2000U);
   }
+  /// A run command is given, waits behind a slow write, and leaves after a fault.
+  void run_command_waits_while_a_fault_comes() {
+    using namespace std::chrono_literals;
+    show(test::kRunningBit);
+    slave_.delay_answers(100ms);
+    const auto slow = write({field("upper_limit", Raw{4000})});
+    const auto run_command =
+        write({field("control_command", Raw{1}), field("frequency_command", 10.0), field("torque_command", 0.0)});
+    run(20ms);
+    emcy(0x0004, 0x01);
+    ASSERT_TRUE(finish(slow, 300ms).has_value());
+    ASSERT_TRUE(finish(run_command, 300ms).has_value());
+    slave_.delay_answers(0ms);
+  }
   void expect_setpoint_rides_on_rpdo() {
     slave_.forget_heard();
     EXPECT_TRUE(write_now({field("frequency_command", 20.0)}).has_value());

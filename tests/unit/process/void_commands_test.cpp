@@ -203,16 +203,7 @@ TEST_F(CommandsTest, FaultWhileAnSdoWriteIsUnderWayDoesNotReviveKnowledge) {
 
 TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotKept) {
   bring_online();
-  show(test::kRunningBit);
-  slave_.delay_answers(100ms);
-  const auto first = write({field("upper_limit", Raw{4000})});
-  const auto second =
-      write({field("control_command", Raw{1}), field("frequency_command", 10.0), field("torque_command", 0.0)});
-  run(20ms);
-  emcy(0x0004, 0x01);
-  ASSERT_TRUE(finish(first, 300ms).has_value());
-  ASSERT_TRUE(finish(second, 300ms).has_value());
-  slave_.delay_answers(0ms);
+  run_command_waits_while_a_fault_comes();
   expect_setpoint_goes_alone();
 }
 
@@ -220,15 +211,7 @@ TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotRepeated) {
   // The drive supervises this RPDO, so it is repeated.
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
-  show(test::kRunningBit);
-  slave_.delay_answers(100ms);
-  const auto first = write({field("upper_limit", Raw{4000})});
-  const auto second =
-      write({field("control_command", Raw{1}), field("frequency_command", 10.0), field("torque_command", 0.0)});
-  run(20ms);
-  emcy(0x0004, 0x01);
-  ASSERT_TRUE(finish(first, 300ms).has_value());
-  ASSERT_TRUE(finish(second, 300ms).has_value());
+  run_command_waits_while_a_fault_comes();
   ASSERT_EQ(rpdos().size(), 1U);
   run(2s);
   EXPECT_EQ(rpdos().size(), 1U) << "it would start the motor once the fault is reset at the drive";
