@@ -17,6 +17,11 @@ target_compile_options(gateway_options INTERFACE
 
 add_compile_options("$<$<CONFIG:Release>:-g1;-fstack-protector-strong;-D_FORTIFY_SOURCE=2>")
 add_link_options("$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>")
+# g++ keeps this warning to headers, and takes files that are compiled as one for headers. Every other warning stays, and
+# the release compiles each file by itself.
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options(-Wno-subobject-linkage)
+endif()
 if(GATEWAY_SANITIZE)
   add_compile_options(-fsanitize=${GATEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${GATEWAY_SANITIZE})
