@@ -1,12 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace canopen {
 
 /// The CAN controller's fault confinement state (ISO 11898-1), plus an interface that is down or gone.
 /// The numbers are those of Modbus register 100 + 20·k of the gateway unit.
 enum class BusCondition : std::uint8_t { error_active = 0, warning = 1, passive = 2, bus_off = 3, down = 4 };
+
+/// For people: the state's name, and what it means where that is bad.
+[[nodiscard]] std::string_view describe(BusCondition condition) noexcept;
 
 struct BusState {
   BusCondition condition = BusCondition::down;

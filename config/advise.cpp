@@ -2,6 +2,7 @@
 
 #include "config/drive_draft.h"
 #include "config/reader.h"
+#include "config/text.h"
 
 namespace config {
 namespace {
@@ -44,6 +45,21 @@ void advise_on_rpdos(DriveDraft& draft) {
   }
 }
 
+/// A command waits for the drive's transfer that is on its way.
+void advise_on_deadline(DriveDraft& draft) {
+  const Duration deadline = draft.drive.commands.deadline;
+  const Duration timeout = draft.drive.node.sdo.timeout;
+  if (deadline > timeout) {
+    return;
+  }
+  const Node* const commands = draft.site.find("commands");
+  const bool stated = commands != nullptr && commands->find("deadline") != nullptr;
+  draft.warning(
+      stated ? place_of(*commands, "deadline") : draft.site.place,
+      "commands.deadline (" + to_text(deadline) + ") is not longer than sdo.timeout (" + to_text(timeout) +
+          "), so one read without an answer can use up a command's time; make one longer or the other shorter");
+}
+
 }  // namespace
 
 void advise(DriveDraft& draft) {
@@ -58,6 +74,7 @@ void advise(DriveDraft& draft) {
                   "takes commands, but nothing stops it when writer or gateway is gone; set supervise_gateway where "
                   "the drive can, and its own communication timeout where it cannot");
   }
+  advise_on_deadline(draft);
   advise_on_setpoints(draft);
   advise_on_rpdos(draft);
 }

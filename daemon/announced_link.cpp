@@ -2,27 +2,10 @@
 
 #include <optional>
 #include <ostream>
-#include <string_view>
 #include <utility>
 
 namespace gateway {
 namespace {
-
-std::string_view words_of(canopen::BusCondition condition) noexcept {
-  switch (condition) {
-    case canopen::BusCondition::error_active:
-      return "interface is up";
-    case canopen::BusCondition::warning:
-      return "many errors on the bus";
-    case canopen::BusCondition::passive:
-      return "error-passive: no other node acknowledges, or the wiring disturbs";
-    case canopen::BusCondition::bus_off:
-      return "bus-off: the controller has left the bus";
-    case canopen::BusCondition::down:
-      break;
-  }
-  return "interface is missing or down";
-}
 
 class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
  public:
@@ -41,7 +24,7 @@ class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
   void on_echo(const canopen::Frame& frame, canopen::TimePoint at) override { events_->on_echo(frame, at); }
   void on_bus_state(const canopen::BusState& state) override {
     if (std::exchange(told_, state.condition) != state.condition) {
-      out_ << name_ << ": " << words_of(state.condition) << std::endl;
+      out_ << name_ << ": " << canopen::describe(state.condition) << std::endl;
     }
     events_->on_bus_state(state);
   }

@@ -2,26 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include <string_view>
-
 namespace gateway {
 namespace {
-
-std::string_view name_of(canopen::BusCondition condition) noexcept {
-  switch (condition) {
-    case canopen::BusCondition::error_active:
-      return "error-active";
-    case canopen::BusCondition::warning:
-      return "error-warning";
-    case canopen::BusCondition::passive:
-      return "error-passive";
-    case canopen::BusCondition::bus_off:
-      return "bus-off";
-    case canopen::BusCondition::down:
-      return "down";
-  }
-  return "unknown";
-}
 
 spdlog::level::level_enum level_of(const process::Alarm& alarm) noexcept {
   if (!alarm.active) {
@@ -76,7 +58,7 @@ void EventLog::on_bus(std::size_t bus) {
   }
   bus_told_[bus] = state.condition;
   spdlog::log(state.up() ? spdlog::level::info : spdlog::level::err, "bus {}: {}", plant_.model().buses[bus].name,
-              name_of(state.condition));
+              canopen::describe(state.condition));
 }
 
 }  // namespace gateway

@@ -1,33 +1,13 @@
 #include "bridges/process/plant.h"
 
 #include <algorithm>
-#include <string_view>
+#include <string>
 #include <utility>
 
 #include "bridges/process/alarm_record.h"
 #include "bridges/process/observer.h"
 
 namespace process {
-namespace {
-
-std::string_view condition_text(canopen::BusCondition condition) {
-  switch (condition) {
-    case canopen::BusCondition::error_active:
-      return {};
-    case canopen::BusCondition::warning:
-      return "many errors on the bus (controller at its warning limit)";
-    case canopen::BusCondition::passive:
-      return "controller is error-passive: no other node acknowledges, or the wiring disturbs";
-    case canopen::BusCondition::bus_off:
-      return "bus-off: the controller has left the bus";
-    case canopen::BusCondition::down:
-      break;
-  }
-  return "the interface is down or gone";
-}
-
-}  // namespace
-
 class Plant::Body {
  public:
   struct Line {
@@ -113,7 +93,7 @@ void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   Body::Line& line = body_->lines[bus];
   line.state = state;
   const bool active = state.condition != canopen::BusCondition::error_active;
-  line.alarm.show(active, std::string(condition_text(state.condition)),
+  line.alarm.show(active, std::string(canopen::describe(state.condition)),
                   state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);

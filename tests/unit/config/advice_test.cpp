@@ -26,6 +26,17 @@ TEST(Advice, WarnsOfCommandsThatNobodySupervises) {
               IsEmpty());
 }
 
+TEST(Advice, WarnsOfADeadlineThatOneUnansweredReadUsesUp) {
+  const std::string supervised = kMixer + "supervise_gateway = \"2s\"\n";
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"500ms\"\n" + kMax)),
+              ElementsAre(HasSubstr("10:12: warning: drive \"mixer1\": commands.deadline (500ms) is not longer than "
+                                    "sdo.timeout (500ms)")));
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"501ms\"\n" + kMax)), IsEmpty());
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + "sdo = { timeout = \"1s\" }\n" + kCommands + kMax)),
+              ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": commands.deadline (800ms) is not longer than "
+                                    "sdo.timeout (1s)")));
+}
+
 TEST(Advice, WarnsOfASetpointWithoutMax) {
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + kCommands)),
               ElementsAre(HasSubstr("set-point \"target_velocity\" has no max")));

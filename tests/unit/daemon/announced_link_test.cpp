@@ -20,14 +20,14 @@ TEST(AnnouncedLink, TellsEachStateOnce) {
   simulator::Network network(loop.executor(), make_announced_link(wire.connect(), "vcan0", told));
   network.open();
   loop.settle();
-  EXPECT_EQ(told.str(), "vcan0: interface is up\n");
+  EXPECT_EQ(told.str(), "vcan0: up (error-active)\n");
   told.str("");
   wire.set_state({BusCondition::error_active, 8, 0});
   loop.settle();
   EXPECT_EQ(told.str(), "") << "only a counter changed";
   wire.set_state({BusCondition::down, 0, 0});
   loop.settle();
-  EXPECT_EQ(told.str(), "vcan0: interface is missing or down\n");
+  EXPECT_EQ(told.str(), "vcan0: down: the interface is missing or switched off\n");
   network.close();
 }
 
