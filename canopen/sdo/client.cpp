@@ -83,7 +83,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, transfer.object());
   }
-  const Result<void> settled = co_await settle_late(transfer.object(), TimePoint::max());
+  const Result<bool> settled = co_await settle_late(transfer.object(), TimePoint::max());
   if (settled.has_error()) {
     co_return settled.error();
   }
@@ -122,13 +122,16 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, object);
   }
-  const Result<void> settled = co_await settle_late(object, deadline);
+  // Half of its time at most: it may be a stop, and is sent to a silent drive, too.
+  const TimePoint now = Clock::now();
+  const Result<bool> settled = co_await settle_late(object, now + (deadline - now) / 2);
   if (place.verdict() != SdoLine::Verdict::mine) {
     co_return not_granted(place.verdict(), object);
   }
-  if (settled.has_error()) {
+  if (settled.has_error() && settled.error().kind != ErrorKind::timeout) {
     co_return settled.error();
   }
+  const bool conclusive = settled.has_value() && settled.value();
   Exchange exchange(*this, std::move(transfer), deadline, deadline);
   exchange.late_possible = late_.expected(object);
   const Frame frame = make_frame(kRequestBase + node_, exchange.transfer.request());
@@ -145,26 +148,31 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
   // Without its echo the request may have left all the same: an answer would prove it.
   exchange.due = std::min(deadline, Clock::now() + settings_.timeout);
   co_await await_end(exchange);
-  if (exchange.error) {
+  if (exchange.error && (conclusive || exchange.error->kind != ErrorKind::refused)) {
     Error failure = *exchange.error;
     failure.outcome_unknown = failure.kind != ErrorKind::refused;
     co_return failure;
   }
+  if (!conclusive) {
+    Error unclear = error(ErrorKind::timeout, object, "the answer may be that to an earlier request");
+    unclear.outcome_unknown = true;
+    co_return unclear;
+  }
   co_return Result<void>();
 }
 
-boost::asio::awaitable<Result<void>> SdoClient::settle_late(ObjectAddress object, TimePoint due) {
+boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object, TimePoint due) {
   if (!late_.expected(object)) {
-    co_return Result<void>();
+    co_return true;
   }
   const std::optional<ObjectAddress> other = late_.readable();
   if (!other) {
-    co_return Result<void>();
+    co_return false;
   }
   SdoTransfer transfer = SdoTransfer::upload(settings_, *other, 0);
   const Result<Bytes> answer = co_await try_once(std::move(transfer), due);
   if (answer.has_value() || answer.error().kind == ErrorKind::refused || answer.error().kind == ErrorKind::protocol) {
-    co_return Result<void>();
+    co_return true;
   }
   Error failure = answer.error();
   failure.object = object;

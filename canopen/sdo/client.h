@@ -30,7 +30,8 @@ class Bus;
 ///
 /// Late answers: an answer is taken only for the object that was asked for. Where an earlier request for the same
 /// object went unanswered, its answer could pass for that of a new request; then another object is read first, whose
-/// answer proves that the older requests are over (a server answers in order).
+/// answer proves that the older requests are over (a server answers in order). Where that proof does not come, a
+/// command is sent all the same, for it may be a stop, and its outcome is unknown whatever the drive answers.
 class SdoClient {
  public:
   using AbortHandler = std::function<void(std::uint32_t code)>;
@@ -84,8 +85,9 @@ class SdoClient {
   boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries);
   boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline);
   boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint due);
-  /// Makes sure that no late answer for `object` is still to come.
-  boost::asio::awaitable<Result<void>> settle_late(ObjectAddress object, TimePoint due);
+  /// Whether no late answer for `object` can come any more. False where nothing can be read to find out; `timeout`
+  /// where the drive is silent until `due`.
+  boost::asio::awaitable<Result<bool>> settle_late(ObjectAddress object, TimePoint due);
   boost::asio::awaitable<void> await_end(Exchange& exchange);
 
   void on_frame(const Received& received);

@@ -229,6 +229,43 @@ TEST_F(SdoClientTest, LateConfirmationNeverConfirmsTheNextCommand) {
   EXPECT_EQ(slave_.value(kCommand), 5U);
 }
 
+TEST_F(SdoClientTest, ACommandLeavesAlsoWhereTheDriveStaysSilent) {
+  slave_.set(kStatus, DataType::u16, 1);
+  slave_.set(kCommand, DataType::u16, 0);
+  static_cast<void>(read_now(kStatus, DataType::u16));
+  slave_.delay_answers(1500ms);  // What it is sent it does, but says so late.
+  const auto start = command(kCommand, 1);
+  loop_.advance(550ms);
+  ASSERT_TRUE(start.done());
+  EXPECT_TRUE(start.get().error().outcome_unknown);
+  const auto stop = command(kCommand, 5);
+  loop_.advance(420ms);
+  const auto sent = slave_.heard().back().bytes();
+  EXPECT_EQ(Bytes(sent.begin(), sent.end()), (Bytes{0x2B, 0x30, 0x20, 0x02, 5, 0, 0, 0})) << "the stop is on the bus";
+  loop_.advance(600ms);
+  ASSERT_TRUE(stop.done());
+  EXPECT_EQ(stop.get().error().kind, ErrorKind::timeout);
+  EXPECT_TRUE(stop.get().error().outcome_unknown);
+}
+
+TEST_F(SdoClientTest, WithoutProofNoAnswerConfirmsOrRefusesACommand) {
+  for (const bool confirmed : {true, false}) {
+    slave_.script({});
+    slave_.mute_sdo(true);
+    use({});  // It knows of no object that can be read.
+    const auto first = command(kCommand, 1);
+    loop_.advance(550ms);
+    ASSERT_TRUE(first.done());
+    slave_.mute_sdo(false);
+    answer_with({confirmed ? Bytes{0x60, 0x30, 0x20, 0x02, 0, 0, 0, 0} : Bytes{0x80, 0x30, 0x20, 0x02, 0, 0, 2, 6}});
+    const Result<void> second = command_now(kCommand, 5);
+    ASSERT_TRUE(second.has_error());
+    EXPECT_EQ(second.error().kind, ErrorKind::timeout);
+    EXPECT_TRUE(second.error().outcome_unknown);
+    EXPECT_NE(second.error().detail.find("earlier request"), std::string::npos) << second.error().detail;
+  }
+}
+
 TEST_F(SdoClientTest, InterruptionFailsEverythingAndTheClientGoesOn) {
   slave_.mute_sdo(true);
   const auto reading = read(kStatus, DataType::u16);
