@@ -177,6 +177,7 @@ WritePlan DriveUnit::plan(const Request& request, std::span<const std::uint8_t> 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Writer writer) {
   std::array<std::uint8_t, 2> mask_result{};
   std::span<const std::uint8_t> bytes = request.values;
+  process::StillStands still_stands;
   if (request.function == Function::mask_write_register) {
     const auto word = masked_word(request, canopen::Clock::now());
     if (const auto* const refused = std::get_if<Exception>(&word)) {
@@ -185,6 +186,8 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
     const std::uint16_t result = std::get<std::uint16_t>(word);
     mask_result = {static_cast<std::uint8_t>(result >> 8), static_cast<std::uint8_t>(result)};
     bytes = mask_result;
+    // Else it would bring back a run bit that a stop before it in the queue took away.
+    still_stands = [this, &request, word] { return masked_word(request, canopen::Clock::now()) == word; };
   }
   if (!request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1}) {
     const auto number = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
@@ -196,7 +199,8 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
     co_return *refused;
   }
   auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
-  const std::optional<Exception> refused = co_await write_fields(std::move(fields), std::move(writer));
+  const std::optional<Exception> refused =
+      co_await write_fields(std::move(fields), std::move(writer), std::move(still_stands));
   co_return refused;
 }
 
@@ -214,8 +218,10 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint1
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_fields(std::vector<process::FieldWrite> fields,
-                                                                         process::Writer writer) {
-  const process::Outcome outcome = co_await drive().write(std::move(writer), std::move(fields));
+                                                                         process::Writer writer,
+                                                                         process::StillStands still_stands) {
+  const process::Outcome outcome =
+      co_await drive().write(std::move(writer), std::move(fields), std::move(still_stands));
   if (outcome.has_value()) {
     co_return std::nullopt;
   }

@@ -50,7 +50,8 @@ class DriveUnit {
   [[nodiscard]] WritePlan plan(const Request& request, std::span<const std::uint8_t> bytes) const;
   boost::asio::awaitable<std::optional<Exception>> write_nmt(std::uint16_t number, process::Writer writer);
   boost::asio::awaitable<std::optional<Exception>> write_fields(std::vector<process::FieldWrite> fields,
-                                                                process::Writer writer);
+                                                                process::Writer writer,
+                                                                process::StillStands still_stands);
 
   process::Plant& plant_;
   std::size_t index_;

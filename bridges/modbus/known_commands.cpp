@@ -22,11 +22,12 @@ void KnownCommands::observe(const process::Drive& drive, canopen::TimePoint now)
   const Seen next{
       .operational = status.online && status.nmt == canopen::NmtState::operational,
       .running = is_set(drive.image(), drive_.faults.running, now),
+      .quick_stop = is_set(drive.image(), drive_.faults.quick_stop, now),
       .fault = drive.has_fault_alarm() || is_set(drive.image(), drive_.faults.fault, now),
       .boot_ups = status.boot_ups,
   };
-  if ((seen_.operational && !next.operational) || (seen_.running && !next.running) || seen_.fault != next.fault ||
-      seen_.boot_ups != next.boot_ups) {
+  if ((seen_.operational && !next.operational) || (seen_.running && !next.running) ||
+      (!seen_.quick_stop && next.quick_stop) || seen_.fault != next.fault || seen_.boot_ups != next.boot_ups) {
     std::ranges::fill(confirmed_, std::nullopt);
   }
   seen_ = next;

@@ -10,8 +10,8 @@ namespace modbus {
 
 /// Which command registers hold a value that a mask write (function 22) may build upon: it keeps the bits that the
 /// client did not name, so these must be bits that somebody commanded and that still stand. They do not any more after
-/// the drive booted, was lost, left operational, came to a stop, or a fault came or went: a mask write must never carry
-/// a run command from before.
+/// the drive booted, was lost, left operational, came to a stop, began a quick stop, or a fault came or went: a mask
+/// write must never carry a run command from before.
 class KnownCommands {
  public:
   explicit KnownCommands(const config::Drive& drive);
@@ -28,6 +28,7 @@ class KnownCommands {
   struct Seen {
     bool operational = false;
     bool running = false;
+    bool quick_stop = false;
     bool fault = false;
     std::uint16_t boot_ups = 0;
   };

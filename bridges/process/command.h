@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <variant>
 
 #include "bridges/process/image.h"
@@ -17,5 +18,9 @@ struct FieldWrite {
   SignalId signal = 0;
   std::variant<canopen::Raw, double> value;
 };
+
+/// What a command was made from still stands; asked when it has its turn, for others may have been before it. Empty:
+/// it was made from nothing.
+using StillStands = std::function<bool()>;
 
 }  // namespace process

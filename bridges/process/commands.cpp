@@ -34,7 +34,7 @@ Commands::Commands(boost::asio::any_io_executor executor, const config::Drive& m
       queue_(std::move(executor)),
       sender_(model, node) {}
 
-awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields) {
+awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands) {
   const Arrival arrival = arrive();
   if (std::optional<Error> refused = refuse_writer(model_, writer)) {
     co_return *std::move(refused);
@@ -50,6 +50,9 @@ awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields
   std::optional<Error> late = co_await await_turn(ticket, arrival);
   if (late) {
     co_return *std::move(late);
+  }
+  if (still_stands && !still_stands()) {
+    co_return error(ErrorKind::incomplete, "what it was made from has changed before its turn");
   }
   Outcome outcome = co_await carry_out(in_writing_order(model_, std::move(checked.value())), arrival);
   co_return outcome;

@@ -54,8 +54,8 @@ bool Drive::has_warning_alarm() const noexcept {
   return std::as_const(*body_).alarms().any(config::Severity::warning);
 }
 
-awaitable<Outcome> Drive::write(Writer writer, std::vector<FieldWrite> fields) {
-  return body_->commands().write(std::move(writer), std::move(fields));
+awaitable<Outcome> Drive::write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands) {
+  return body_->commands().write(std::move(writer), std::move(fields), std::move(still_stands));
 }
 
 awaitable<Outcome> Drive::nmt(Writer writer, canopen::NmtCommand command) {

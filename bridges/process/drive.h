@@ -49,7 +49,7 @@ class Drive {
 
   /// Writes signals, checked altogether before anything is sent (writer, access, type, range, drive reachable), then by
   /// RPDO or SDO. Confirmed when it returns a value. The error's detail names what was already written.
-  boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields);
+  boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands = {});
   boost::asio::awaitable<Outcome> nmt(Writer writer, canopen::NmtCommand command);
   /// Any object. A read needs no writer's permission; a write of an object that is no writable signal needs `raw`, and
   /// one that is goes the signal's way with its limits.

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "tests/support/spawn.h"
 #include "tests/unit/modbus/site.h"
@@ -91,6 +92,47 @@ TEST_F(MaskWrites, AMaskBuildsOnNothingAfterACommandOfAnotherWriterOfUnknownOutc
   ASSERT_TRUE(outcome.get().error().outcome_unknown) << canopen::to_string(outcome.get().error());
   puppet().mute = false;
   EXPECT_EQ(ask("16 012c ff00 0008"), "96 03");
+}
+
+TEST_F(MaskWrites, AMaskIsRefusedWhereACommandBeforeItChangedItsBits) {
+  EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
+  process::Drive& drive = site_.plant().drive(0);
+  puppet().written.clear();
+  puppet().mute = true;
+  const auto other = support::spawn(
+      site_.loop().executor(),
+      drive.write({process::Writer::Way::modbus, "10.0.0.9"},
+                  {{static_cast<process::SignalId>(*drive.model().find("acceleration")), canopen::Raw{1}}}));
+  site_.settle();
+  const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, "16 012c ff00 0008");
+  ASSERT_EQ(site_.client().send(request), request.size());
+  EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); })) << "it waits for its turn";
+  site_.loop().advance(milliseconds(600));
+  ASSERT_TRUE(other.done());
+  EXPECT_EQ(site_.answer(site_.client()), "96 03");
+  puppet().mute = false;
+  site_.run(milliseconds(500));
+  EXPECT_TRUE(puppet().written.empty());
+}
+
+TEST(MaskWritesToADriveWithQuickStop, AMaskCarriesNoCommandFromBeforeAQuickStop) {
+  config::Model model = modbus_test::example_model();
+  config::Drive& drive = model.drives.front();
+  config::Signal quick_stop = drive.signals[*drive.faults.fault];
+  quick_stop.name = "quick_stop_active";
+  quick_stop.derived->mask = 0x0010;
+  quick_stop.derived->values = {0x0010};
+  quick_stop.modbus.address = 5;
+  drive.faults.quick_stop = drive.signals.size();
+  drive.signals.push_back(quick_stop);
+  Site site(std::move(model));
+  site.bring_up();
+  site.send_values(0x0001, 0, 0);
+  EXPECT_EQ(site.ask("10 0064 0002 04 0051 1388"), "10 0064 0002");
+  site.send_values(0x0011, 0, 0);
+  EXPECT_EQ(site.ask("16 0064 fff0 0003"), "96 03") << "the motor still runs, but it was stopped";
+  EXPECT_EQ(site.ask("10 0064 0002 04 0052 1388"), "10 0064 0002");
+  EXPECT_EQ(site.ask("16 0064 fff0 0003"), "16 0064 fff0 0003") << "what was commanded since then";
 }
 
 TEST_F(MaskWrites, AMaskOfAReadableRegisterBuildsOnTheNewestKnowledge) {
