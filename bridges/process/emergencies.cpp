@@ -16,12 +16,11 @@ using config::Severity;
 /// A bit is believed without having been seen otherwise when it stays so for so many periods.
 constexpr int kBelievedPeriods = 3;
 
-// An error as the broker kept it, with the drive's own number where the emergency carried one.
-std::optional<std::uint64_t> drive_code_of(const canopen::EmcySettings& settings, const AlarmError& error) {
+// The emergency of an error as the broker kept it.
+std::optional<canopen::Emcy> emcy_of(const canopen::EmcySettings& settings, const AlarmError& error) {
   std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(error.code), static_cast<std::uint8_t>(error.code >> 8)};
   std::copy(error.vendor.begin(), error.vendor.end(), bytes.begin() + 3);
-  const std::optional<canopen::Emcy> emcy = canopen::decode_emcy(settings, bytes);
-  return emcy ? emcy->drive_code : std::nullopt;
+  return canopen::decode_emcy(settings, bytes);
 }
 
 std::uint16_t short_code(std::uint64_t code) noexcept {
@@ -60,6 +59,7 @@ void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
     same->origin = Origin::emcy;
     same->drive_code = emcy.drive_code;
     same->seen_set = false;
+    same->from_before = false;
     same->clear_since.reset();
     return;
   }
@@ -110,7 +110,12 @@ bool Emergencies::on_bit_set(Severity severity, Duration period, TimePoint at, W
     }
   }
   if (has(severity)) {
-    return !std::exchange(evidence_, true);
+    const bool another = severity == Severity::fault && another_fault();
+    if (another) {
+      raise_from_bit(severity, wall);
+      keep_few();
+    }
+    return !std::exchange(evidence_, true) || another;
   }
   if (state.reset_at && at - *state.reset_at < kBelievedPeriods * period) {
     return false;
@@ -163,6 +168,14 @@ void Emergencies::raise_from_bit(Severity severity, WallTime wall) {
                       .origin = Origin::bit,
                       .drive_code = code,
                       .seen_set = true});
+}
+
+// What was active may have been reset and another fault come while nobody listened. The old one is listed until the bit
+// tells: the drive may have both.
+bool Emergencies::another_fault() const noexcept {
+  return fault_code_ != 0 && std::all_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+           return entry.error.severity != Severity::fault || (entry.from_before && !names(entry, fault_code_));
+         });
 }
 
 std::uint64_t Emergencies::code_for(Severity severity) const noexcept {
@@ -263,6 +276,7 @@ bool Emergencies::on_online(bool online) {
     fault_code_ = 0;
     for (Entry& entry : entries_) {
       entry.clear_since.reset();
+      entry.from_before = true;
     }
   }
   return true;
@@ -279,8 +293,14 @@ void Emergencies::restore(const Alarm& before) {
   }
   std::vector<Entry> restored;
   for (AlarmError& error : errors) {
-    const auto drive_code = drive_code_of(model_.node.emcy, error);
-    restored.push_back({.error = std::move(error), .origin = Origin::restored, .drive_code = drive_code});
+    const std::optional<canopen::Emcy> emcy = emcy_of(model_.node.emcy, error);
+    const bool foremost = error.code == before.code && error.text == before.text;
+    if (emcy && !foremost) {
+      // The alarm tells only the severity of its foremost error; a warning beside a fault is none.
+      error.severity = name_emcy(model_.faults, model_.node.emcy, *emcy).severity;
+    }
+    restored.push_back(
+        {.error = std::move(error), .origin = Origin::restored, .drive_code = emcy ? emcy->drive_code : std::nullopt});
   }
   std::erase_if(restored, [&](const Entry& old) {
     return std::any_of(entries_.begin(), entries_.end(),

@@ -67,6 +67,7 @@ class Emergencies {
     std::optional<std::uint64_t> drive_code;
     config::Severity tabled = config::Severity::fault;  ///< What its text's table says; the drive's bits know better.
     bool seen_set = false;                              ///< Its bit was received set after its emergency.
+    bool from_before = false;                           ///< From before the drive came online.
     std::optional<canopen::TimePoint> clear_since{};    ///< Since when its bit is received clear.
   };
   struct Bit {
@@ -92,6 +93,8 @@ class Emergencies {
   void raise_from_bit(config::Severity severity, canopen::WallTime wall);
   void raise_from_readings(const ErrorReadings& readings, canopen::WallTime wall);
   void name_by_history(std::uint16_t code);
+  /// The fault code names none of the faults, and all of them are from before the drive came online.
+  [[nodiscard]] bool another_fault() const noexcept;
   [[nodiscard]] std::uint64_t code_for(config::Severity severity) const noexcept;
 
   const config::Drive& model_;

@@ -161,6 +161,60 @@ TEST_F(AlarmsTest, RestoredErrorByVendorNumberIsNotDoubled) {
   EXPECT_EQ(codes(), (Codes{0x3000}));
 }
 
+TEST_F(AlarmsTest, AnotherFaultThatCameUnheardIsNamedByTheFaultCode) {
+  emcy(0x0004);
+  come_online();
+  fault(true);
+  alarms_->on_fault_code(0x04, wall_);
+  EXPECT_EQ(codes(), (Codes{4}));
+  go_offline();
+  come_online();
+  alarms_->on_fault_code(0x05, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{4, 5})) << "perhaps the drive has both";
+  EXPECT_EQ(emcy_alarm().code, 5);
+  EXPECT_EQ(emcy_alarm().count, 1U);
+  alarms_->on_fault_code(0x06, wall_);
+  fault(true);
+  EXPECT_EQ(codes().size(), 2U) << "raised once, renamed then";
+  fault(false);
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
+  Alarm before;
+  before.active = true;
+  before.id = "old";
+  before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
+  alarms_->restore_emcy(before);
+  come_online();
+  fault(true);
+  alarms_->on_fault_code(0x04, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{4}));
+  EXPECT_EQ(emcy_alarm().id, "old");
+}
+
+TEST_F(AlarmsTest, ARestoredWarningBesideAFaultIsOfTheWarningBit) {
+  Alarm before;
+  before.active = true;
+  before.code = 4;
+  before.text = "Overcurrent during acceleration";
+  // The list on the broker has no severities: all are read as that of the alarm.
+  before.errors = {{0x40, {}, "Undervoltage while stopped", Severity::fault, WallTime(5s)},
+                   {4, {}, before.text, Severity::fault, WallTime(6s)}};
+  alarms_->restore_emcy(before);
+  come_online();
+  for (int i = 0; i < 4; ++i) {
+    fault(false);
+    warning(true);
+    pass(100ms);
+  }
+  EXPECT_EQ(codes(), (Codes{0x40}));
+  EXPECT_EQ(emcy_alarm().severity, Severity::warning);
+  EXPECT_EQ(emcy_alarm().errors[0].since, WallTime(5s));
+}
+
 TEST_F(AlarmsTest, NothingIsRestoredAfterTheDriveArrived) {
   come_online();
   Alarm before;
