@@ -7,6 +7,18 @@
 #include "bridges/mqtt/payload.h"
 
 namespace mqtt {
+namespace {
+
+bool tells_its_state(const canopen::NodeStatus& status) {
+  return status.online || status.lost || status.boot_result != canopen::kNotBooted || !status.boot_text.empty();
+}
+
+// Follows from whether and how the drive is there. What emcy holds was read back from the broker.
+bool depends_on_state(process::AlarmKind kind) {
+  return kind == process::AlarmKind::heartbeat || kind == process::AlarmKind::boot || kind == process::AlarmKind::data;
+}
+
+}  // namespace
 
 Feed::Feed(const process::Drive& drive, const DriveTopics& topics, const config::Mqtt& settings)
     : drive_(drive), topics_(topics), settings_(settings), pace_(drive.model(), settings) {
@@ -60,15 +72,7 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
     control_due_ = false;
     out.push_back({.topic = topics_.control, .payload = control_json()});
   }
-  for (const process::AlarmKind kind : process::kAlarmKinds) {
-    const auto position = static_cast<std::size_t>(kind);
-    if (alarms_due_.test(position)) {
-      out.push_back({.topic = topics_.alarms.at(position),
-                     .payload = alarm_json(drive_.alarm(kind)),
-                     .kind = MessageKind::alarm});
-    }
-  }
-  alarms_due_.reset();
+  collect_alarms(out);
   // The state before the single values: its time stamps are those of the values as they were compared.
   collect_state(now, out);
   collect_signals(now, out);
@@ -77,6 +81,19 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
 
 Message Feed::offline() const {
   return {.topic = topics_.status, .payload = online_text(false)};
+}
+
+void Feed::collect_alarms(std::vector<Message>& out) {
+  learnt_ = learnt_ || tells_its_state(drive_.status());
+  for (const process::AlarmKind kind : process::kAlarmKinds) {
+    const auto position = static_cast<std::size_t>(kind);
+    if (!alarms_due_.test(position) || (depends_on_state(kind) && !learnt_)) {
+      continue;
+    }
+    alarms_due_.reset(position);
+    out.push_back(
+        {.topic = topics_.alarms.at(position), .payload = alarm_json(drive_.alarm(kind)), .kind = MessageKind::alarm});
+  }
 }
 
 void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {

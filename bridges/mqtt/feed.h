@@ -33,6 +33,7 @@ class Feed {
   [[nodiscard]] Message offline() const;
 
  private:
+  void collect_alarms(std::vector<Message>& out);
   void collect_signals(canopen::TimePoint now, std::vector<Message>& out);
   void collect_state(canopen::TimePoint now, std::vector<Message>& out);
 
@@ -44,6 +45,9 @@ class Feed {
   std::optional<canopen::NmtState> nmt_;
   bool fresh_ = false;
   bool control_due_ = true;
+  /// The drive was once online, lost, or found with a boot error. Until then its alarms are those on the broker: to
+  /// call them over for the seconds that a search takes would be no news but a mistake.
+  bool learnt_ = false;
   std::bitset<process::kAlarmKinds.size()> alarms_due_;
 };
 

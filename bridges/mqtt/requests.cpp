@@ -16,15 +16,15 @@ using canopen::Result;
 // Shared with the commands under way, which may outlive the requests by the time a drive takes to stop.
 struct UnderWay {
   UnderWay(const boost::asio::any_io_executor& executor, std::size_t drives, Requests::Publish to_publish)
-      : publish(std::move(to_publish)), by_drive(drives), idle(executor) {}
+      : publish(std::move(to_publish)), commands(drives), reads(drives), idle(executor) {}
 
   void send(Message message) const {
     if (publish) {
       publish(std::move(message));
     }
   }
-  void ended(std::size_t drive) {
-    --by_drive.at(drive);
+  void ended(std::size_t drive, bool is_read) {
+    --(is_read ? reads : commands).at(drive);
     --total;
     if (total == 0) {
       idle.cancel();
@@ -33,7 +33,8 @@ struct UnderWay {
 
   Requests::Publish publish;  ///< Empty after stop().
   bool open = true;
-  std::vector<std::size_t> by_drive;
+  std::vector<std::size_t> commands;  ///< By drive.
+  std::vector<std::size_t> reads;     ///< Likewise; apart, for a stop must not fail because of them.
   std::size_t total = 0;
   canopen::Timer idle;  ///< Cancelled when the last one ended.
 };
@@ -169,10 +170,6 @@ Result<void> Requests::begin(const Incoming& incoming, const Command& command) {
   if (command.parsed.members.has_error()) {
     return command.parsed.members.error();
   }
-  // Before the command is noted as seen: it may come again with the same id.
-  if (under_way_->by_drive.at(command.drive->index()) >= kMaxUnderWay) {
-    return Error{.kind = ErrorKind::timeout, .detail = "too many commands under way; this one was not carried out"};
-  }
   switch (command.route.kind) {
     case Route::Kind::nmt:
       return begin_nmt(incoming, command);
@@ -187,6 +184,10 @@ Result<void> Requests::begin(const Incoming& incoming, const Command& command) {
 }
 
 Result<void> Requests::check_begin(const Incoming& incoming, const Command& command) {
+  // Before the command is noted as seen: it may come again with the same id.
+  if (under_way_->commands.at(command.drive->index()) >= kMaxCommands) {
+    return Error{.kind = ErrorKind::timeout, .detail = "too many commands under way; this one was not carried out"};
+  }
   if (duplicates_.seen(incoming, !command.parsed.id.empty(), canopen::Clock::now())) {
     return Error{.kind = ErrorKind::duplicate, .detail = "the same command came within the last 60 s"};
   }
@@ -229,7 +230,10 @@ Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& comman
     return request.error();
   }
   if (!request.value().value) {  // a read changes nothing and is never a repetition
-    spawn(*command.drive, read_object(under_way_, *command.drive, request.value(), command.to));
+    if (under_way_->reads.at(command.drive->index()) >= kMaxReads) {
+      return Error{.kind = ErrorKind::timeout, .detail = "too many reads under way; this one was not carried out"};
+    }
+    spawn(*command.drive, read_object(under_way_, *command.drive, request.value(), command.to), true);
     return {};
   }
   Result<void> checked = check_begin(incoming, command);
@@ -239,16 +243,17 @@ Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& comman
   return checked;
 }
 
-void Requests::spawn(const process::Drive& drive, boost::asio::awaitable<void> work) {
+void Requests::spawn(const process::Drive& drive, boost::asio::awaitable<void> work, bool is_read) {
   const std::size_t index = drive.index();
-  ++under_way_->by_drive.at(index);
+  ++(is_read ? under_way_->reads : under_way_->commands).at(index);
   ++under_way_->total;
-  boost::asio::co_spawn(executor_, std::move(work), [under_way = under_way_, index](std::exception_ptr failure) {
-    under_way->ended(index);
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
-  });
+  boost::asio::co_spawn(executor_, std::move(work),
+                        [under_way = under_way_, index, is_read](std::exception_ptr failure) {
+                          under_way->ended(index, is_read);
+                          if (failure) {
+                            std::rethrow_exception(failure);
+                          }
+                        });
 }
 
 process::Drive* Requests::find_drive(std::string_view name) {

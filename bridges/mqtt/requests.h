@@ -24,7 +24,9 @@ class Requests {
   using Publish = std::function<void(Message)>;
 
   /// Commands of one drive under way at a time; further ones are answered `timeout` at once, not carried out.
-  static constexpr std::size_t kMaxUnderWay = 64;
+  static constexpr std::size_t kMaxCommands = 64;
+  /// SDO reads likewise: each may take all its tries, and the drive answers one at a time.
+  static constexpr std::size_t kMaxReads = 8;
 
   /// `plant` and `topics` outlive it; `publish` is called on the loop until the end of stop().
   Requests(boost::asio::any_io_executor executor, process::Plant& plant, const Topics& topics, Publish publish);
@@ -54,7 +56,7 @@ class Requests {
   [[nodiscard]] canopen::Result<void> begin_nmt(const Incoming& incoming, const Command& command);
   [[nodiscard]] canopen::Result<void> begin_sdo(const Incoming& incoming, const Command& command);
   /// Counts what is under way.
-  void spawn(const process::Drive& drive, boost::asio::awaitable<void> work);
+  void spawn(const process::Drive& drive, boost::asio::awaitable<void> work, bool is_read = false);
   [[nodiscard]] process::Drive* find_drive(std::string_view name);
 
   boost::asio::any_io_executor executor_;

@@ -239,6 +239,30 @@ TEST(MqttBridge, AnAlarmFromBeforeTheStartStaysUnconfirmedUntilTheDriveIsThere) 
   EXPECT_TRUE(contains(site.retained("pump1/alarm/emcy"), R"("active":false)")) << site.retained("pump1/alarm/emcy");
 }
 
+TEST(MqttBridge, AnAlarmOfAMissingDriveIsNotCalledOverBeforeTheDriveIsFoundOrFoundMissing) {
+  for (const bool is_there : {false, true}) {
+    PlantSite site;
+    site.puppet().mute = !is_there;
+    site.broker().events->on_connected(1);
+    site.broker().events->on_subscribed(true);
+    site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+    ASSERT_TRUE(site.bridge().connected());
+    EXPECT_EQ(site.retained("status"), "online");
+    for (const char* alarm : {"pump1/alarm/heartbeat", "pump1/alarm/boot", "pump1/alarm/data"}) {
+      EXPECT_EQ(site.retained(alarm), "never published") << alarm;
+    }
+    if (is_there) {
+      site.bring_up_drive();
+    } else {
+      site.loop().advance(5s, 10ms);
+    }
+    EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), is_there ? R"("active":false)" : R"("active":true)"))
+        << site.retained("pump1/alarm/heartbeat");
+    EXPECT_TRUE(contains(site.retained("pump1/alarm/boot"), R"("active":false)"));
+    EXPECT_TRUE(contains(site.retained("pump1/alarm/data"), R"("active":false)"));
+  }
+}
+
 TEST(MqttBridge, ARetainedAlarmThatIsNoneIsIgnoredAndSaid) {
   PlantSite site;
   site.broker().events->on_connected(1);

@@ -71,13 +71,13 @@ TEST_F(MqttRequests, OneThatWasOneTooManyMayComeAgain) {
   };
   site_.puppet().mute = true;
   site_.broker().forget();
-  for (std::size_t i = 0; i <= Requests::kMaxUnderWay; ++i) {
+  for (std::size_t i = 0; i <= Requests::kMaxCommands; ++i) {
     site_.command("pump1/set", command(i));
   }
   EXPECT_NE(site_.last_answer().find("too many commands under way"), std::string::npos) << site_.last_answer();
   site_.loop().advance(900ms);
   site_.puppet().mute = false;
-  EXPECT_NE(code_of(ask("pump1/set", command(Requests::kMaxUnderWay))), "duplicate");
+  EXPECT_NE(code_of(ask("pump1/set", command(Requests::kMaxCommands))), "duplicate");
   EXPECT_EQ(code_of(ask("pump1/set", command(0))), "duplicate");
 }
 
@@ -202,6 +202,20 @@ TEST_F(MqttRequests, TooManyAtATimeAreRefusedAndTheOthersAnswered) {
   EXPECT_EQ(code_of(site_.last_answer()), "timeout");
   site_.loop().advance(1s, 10ms);
   EXPECT_EQ(site_.broker().on("canopen/line3/result").size(), 70U);
+}
+
+TEST_F(MqttRequests, ReadsWithoutAnAnswerRefuseNoCommand) {
+  site_.puppet().mute = true;
+  for (int i = 0; i < 70; ++i) {
+    site_.broker().events->on_message({.topic = "canopen/line3/pump1/sdo/request",
+                                       .payload = R"({"op":"read","object":"0x2002:03","type":"u16"})",
+                                       .received = canopen::Clock::now()});
+  }
+  site_.loop().settle();
+  const auto refused = site_.broker().on("canopen/line3/pump1/sdo/response");
+  EXPECT_EQ(refused.size(), 62U);
+  EXPECT_NE(refused.back().find("too many reads under way"), std::string::npos) << refused.back();
+  EXPECT_EQ(ask("pump1/frequency_command/set", "30"), "none") << "it is under way";
 }
 
 TEST_F(MqttRequests, AtTheEndNoCommandIsTakenAndThoseUnderWayAreAnswered) {
