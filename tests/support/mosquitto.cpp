@@ -104,12 +104,22 @@ bool Mosquitto::start() {
 }
 
 void Mosquitto::stop() {
-  if (process_ > 0) {
-    kill(process_, SIGCONT);
-    kill(process_, SIGTERM);
-    waitpid(process_, nullptr, 0);
-    process_ = 0;
+  if (process_ <= 0) {
+    return;
   }
+  kill(process_, SIGCONT);
+  // Asked again: mosquitto forgets a signal that comes after it listens and before its main loop begins.
+  for (int i = 0; i < 1000; ++i) {
+    kill(process_, SIGTERM);
+    if (waitpid(process_, nullptr, WNOHANG) != 0) {
+      process_ = 0;
+      return;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  kill(process_, SIGKILL);
+  waitpid(process_, nullptr, 0);
+  process_ = 0;
 }
 
 void Mosquitto::freeze() const {
