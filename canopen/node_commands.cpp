@@ -22,11 +22,11 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress o
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::write(ObjectAddress object, DataType type, Raw raw,
-                                                                   TimePoint deadline) {
+                                                                   TimePoint deadline, StillStands still_stands) {
   if (!takes_commands()) {
     co_return offline_error(object, "the drive is not online and operational");
   }
-  co_return co_await sdo_.write_command(object, type, raw, deadline);
+  co_return co_await sdo_.write_command(object, type, raw, deadline, std::move(still_stands));
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_rpdo(std::uint16_t number,

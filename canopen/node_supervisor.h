@@ -46,7 +46,8 @@ class RemoteNode::Supervisor final : private NmtLine {
   [[nodiscard]] RpdoSender& rpdos() noexcept { return rpdos_; }
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
-  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
+                                             StillStands still_stands = {});
   boost::asio::awaitable<Result<void>> command(NmtCommand command, TimePoint deadline);
   boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
                                                  TimePoint deadline);

@@ -35,9 +35,9 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataT
   return supervisor_->read(object, type);
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw,
-                                                       TimePoint deadline) {
-  return supervisor_->write(object, type, raw, deadline);
+boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
+                                                       StillStands still_stands) {
+  return supervisor_->write(object, type, raw, deadline, std::move(still_stands));
 }
 
 void RemoteNode::close() {

@@ -9,6 +9,7 @@
 #include "canopen/error.h"
 #include "canopen/node_events.h"
 #include "canopen/node_settings.h"
+#include "canopen/still_stands.h"
 
 namespace canopen {
 
@@ -39,8 +40,10 @@ class RemoteNode {
   /// SDO upload with retries. Refused as offline while the node does not answer SDOs at all, or is stopped.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
   /// SDO download of a command: sent once, withdrawn when not begun by `deadline`, outcome unknown when begun and
-  /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`.
-  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`;
+  /// one that was made from what does not stand any more: `incomplete`.
+  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
+                                             StillStands still_stands = {});
   /// Departure of an NMT command. Only `start` ends the refusal to start a drive that left operational; where the drive
   /// was not configured since, it is booted first, and the departure is that of the boot's NMT start. A boot that was
   /// begun goes on after the deadline, so the outcome is unknown then.

@@ -55,7 +55,7 @@ void DriveUnit::on_commanded(std::span<const process::SignalId> signals) {
 
 void DriveUnit::on_outcome_unknown(std::span<const process::SignalId> signals) {
   for (const process::SignalId signal : signals) {
-    known_commands_.forget(signal);
+    known_commands_.forget(signal, canopen::Clock::now());
   }
 }
 
@@ -155,12 +155,13 @@ std::variant<std::uint16_t, Exception> DriveUnit::masked_word(const Request& req
   const process::Image& image = drive().image();
   const process::SourceState* const source = image.source_of(owner);
   const auto confirmed = known_commands_.confirmed_at(owner);
+  const auto forgotten = known_commands_.forgotten_at(owner);
   canopen::Raw raw = 0;
   if (confirmed && (source == nullptr || !source->received || *confirmed >= source->at)) {
     raw = image.commanded(owner);
   } else if (source == nullptr) {
     return Exception::illegal_value;  // Nobody commanded the bits to be kept; none is invented.
-  } else if (image.fresh(owner, now)) {
+  } else if (image.fresh(owner, now) && !(forgotten && source->at <= *forgotten)) {
     raw = image.raw(owner);
   } else {
     return Exception::no_response;

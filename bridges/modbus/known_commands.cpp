@@ -15,7 +15,8 @@ bool is_set(const process::Image& image, const std::optional<std::size_t>& signa
 
 }  // namespace
 
-KnownCommands::KnownCommands(const config::Drive& drive) : drive_(drive), confirmed_(drive.signals.size()) {}
+KnownCommands::KnownCommands(const config::Drive& drive)
+    : drive_(drive), confirmed_(drive.signals.size()), forgotten_(drive.signals.size()) {}
 
 void KnownCommands::observe(const process::Drive& drive, canopen::TimePoint now) {
   const canopen::NodeStatus& status = drive.status();
@@ -41,12 +42,17 @@ void KnownCommands::confirm(process::SignalId signal, canopen::Raw raw, canopen:
   }
 }
 
-void KnownCommands::forget(process::SignalId signal) {
+void KnownCommands::forget(process::SignalId signal, canopen::TimePoint now) {
   confirmed_[signal].reset();
+  forgotten_[signal] = now;
 }
 
 std::optional<canopen::TimePoint> KnownCommands::confirmed_at(process::SignalId signal) const {
   return confirmed_[signal];
+}
+
+std::optional<canopen::TimePoint> KnownCommands::forgotten_at(process::SignalId signal) const {
+  return forgotten_[signal];
 }
 
 }  // namespace modbus

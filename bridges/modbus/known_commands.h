@@ -20,9 +20,12 @@ class KnownCommands {
   void observe(const process::Drive& drive, canopen::TimePoint now);
 
   void confirm(process::SignalId signal, canopen::Raw raw, canopen::TimePoint now);
-  void forget(process::SignalId signal);
+  /// Nobody knows any more what stands.
+  void forget(process::SignalId signal, canopen::TimePoint now);
   /// When the value that stands was confirmed; nothing where none stands.
   [[nodiscard]] std::optional<canopen::TimePoint> confirmed_at(process::SignalId signal) const;
+  /// What was read from the drive by then may have been overwritten since by a command of unknown outcome.
+  [[nodiscard]] std::optional<canopen::TimePoint> forgotten_at(process::SignalId signal) const;
 
  private:
   struct Seen {
@@ -35,6 +38,7 @@ class KnownCommands {
 
   const config::Drive& drive_;
   std::vector<std::optional<canopen::TimePoint>> confirmed_;
+  std::vector<std::optional<canopen::TimePoint>> forgotten_;
   Seen seen_;
 };
 

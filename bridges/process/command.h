@@ -19,8 +19,7 @@ struct FieldWrite {
   std::variant<canopen::Raw, double> value;
 };
 
-/// What a command was made from still stands; asked when it has its turn, for others may have been before it. Empty:
-/// it was made from nothing.
+/// Whether what a command was made from still stands, as in canopen/still_stands.h.
 using StillStands = std::function<bool()>;
 
 }  // namespace process

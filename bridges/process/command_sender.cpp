@@ -23,16 +23,18 @@ bool takes_no_sdo(const Error& error) {
 
 // The drive still holds what it held before.
 bool left_unchanged(const Error& error) {
-  return error.kind == ErrorKind::refused || (error.kind == ErrorKind::timeout && !error.outcome_unknown);
+  const bool not_begun = error.kind == ErrorKind::timeout || error.kind == ErrorKind::incomplete;
+  return error.kind == ErrorKind::refused || (not_begun && !error.outcome_unknown);
 }
 
 }  // namespace
 
-awaitable<Outcome> CommandSender::send(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline) {
+awaitable<Outcome> CommandSender::send(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline,
+                                       StillStands still_stands) {
   if (step.rpdo != 0) {
     return send_rpdo(std::move(step), knowledge, deadline);
   }
-  return send_sdo(step.fields.front(), knowledge, deadline);
+  return send_sdo(step.fields.front(), knowledge, deadline, std::move(still_stands));
 }
 
 awaitable<Outcome> CommandSender::send_rpdo(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline) {
@@ -54,10 +56,11 @@ awaitable<Outcome> CommandSender::send_rpdo(WriteStep step, std::uint32_t knowle
   co_return outcome;
 }
 
-awaitable<Outcome> CommandSender::send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline) {
+awaitable<Outcome> CommandSender::send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline,
+                                           StillStands still_stands) {
   const config::Signal& signal = model_.signals[field.signal];
   node_.hold_repetition(signal.object);
-  Outcome outcome = co_await node_.write(signal.object, signal.type, field.raw, deadline);
+  Outcome outcome = co_await node_.write(signal.object, signal.type, field.raw, deadline, std::move(still_stands));
   if (outcome.has_error()) {
     if (!left_unchanged(outcome.error())) {
       node_.forget_commanded(signal.object);

@@ -23,7 +23,8 @@ class CommandSender {
   CommandSender(const config::Drive& model, canopen::RemoteNode& node) : model_(model), node_(node) {}
 
   /// `knowledge` is what knowledge() was when the command arrived.
-  boost::asio::awaitable<Outcome> send(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline);
+  boost::asio::awaitable<Outcome> send(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline,
+                                       StillStands still_stands);
 
   /// Nothing counts as commanded any more. `keep_repeating`: RPDOs that the drive supervises go on unchanged.
   void make_void(bool keep_repeating);
@@ -34,7 +35,8 @@ class CommandSender {
 
  private:
   boost::asio::awaitable<Outcome> send_rpdo(WriteStep step, std::uint32_t knowledge, canopen::TimePoint deadline);
-  boost::asio::awaitable<Outcome> send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline);
+  boost::asio::awaitable<Outcome> send_sdo(Field field, std::uint32_t knowledge, canopen::TimePoint deadline,
+                                           StillStands still_stands);
   /// What made earlier commands void since `knowledge` makes this one, which left after it, void too.
   void make_void_again(std::uint32_t knowledge);
   [[nodiscard]] canopen::Error explain(canopen::Error error, canopen::ObjectAddress object) const;

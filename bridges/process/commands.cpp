@@ -51,10 +51,8 @@ awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields
   if (late) {
     co_return *std::move(late);
   }
-  if (still_stands && !still_stands()) {
-    co_return error(ErrorKind::incomplete, "what it was made from has changed before its turn");
-  }
-  Outcome outcome = co_await carry_out(in_writing_order(model_, std::move(checked.value())), arrival);
+  Outcome outcome =
+      co_await carry_out(in_writing_order(model_, std::move(checked.value())), arrival, std::move(still_stands));
   co_return outcome;
 }
 
@@ -189,7 +187,7 @@ awaitable<std::optional<Error>> Commands::await_turn(const CommandQueue::Ticket&
   co_return refuse_unreachable();
 }
 
-awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arrival) {
+awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arrival, StillStands still_stands) {
   std::string written;
   bool allow_rpdo = true;
   while (!remaining.empty()) {
@@ -197,8 +195,11 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
       // Nobody can tell whether the motor came to a stop since earlier commands.
       on_standstill();
     }
+    if (still_stands && !still_stands()) {
+      co_return with_written(error(ErrorKind::incomplete, "not begun: what it was made from has changed"), written);
+    }
     const WriteStep step = next_step(model_, node_, remaining, allow_rpdo);
-    Outcome outcome = co_await sender_.send(step, arrival.knowledge, arrival.deadline);
+    Outcome outcome = co_await sender_.send(step, arrival.knowledge, arrival.deadline, still_stands);
     const bool withdrawn = step.rpdo != 0 && outcome.has_error() && outcome.error().kind == ErrorKind::incomplete;
     tell(step, outcome, arrival);
     if (outcome.has_value()) {

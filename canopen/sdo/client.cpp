@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t kRequestBase = 0x600;  // CiA 301 table 75, default SDO.
 constexpr std::uint32_t kAnswerBase = 0x580;
 constexpr std::uint32_t kAbortTimedOut = 0x05040000;
+constexpr ObjectAddress kDeviceType{0x1000, 0};  // Every node has it; where not, the abort is an answer, too.
 
 }  // namespace
 
@@ -72,9 +73,9 @@ boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, Data
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
-                                                              TimePoint deadline) {
+                                                              TimePoint deadline, StillStands still_stands) {
   SdoTransfer transfer = download(object, type, raw);
-  co_return co_await run_command(std::move(transfer), deadline);
+  co_return co_await run_command(std::move(transfer), deadline, std::move(still_stands));
 }
 
 boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries) {
@@ -115,7 +116,8 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer
   co_return exchange.transfer.data();
 }
 
-boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline) {
+boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline,
+                                                            StillStands still_stands) {
   const ObjectAddress object = transfer.object();
   SdoLine::Place place(line_, SdoLine::Kind::command);
   const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
@@ -132,6 +134,9 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
     co_return settled.error();
   }
   const bool conclusive = settled.has_value() && settled.value();
+  if (still_stands && !still_stands()) {
+    co_return error(ErrorKind::incomplete, object, "not begun: what it was made from has changed");
+  }
   Exchange exchange(*this, std::move(transfer), deadline, deadline);
   exchange.late_possible = late_.expected(object);
   const Frame frame = make_frame(kRequestBase + node_, exchange.transfer.request());
@@ -148,6 +153,10 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
   // Without its echo the request may have left all the same: an answer would prove it.
   exchange.due = std::min(deadline, Clock::now() + settings_.timeout);
   co_await await_end(exchange);
+  if (!conclusive && (!exchange.error || exchange.error->kind == ErrorKind::refused)) {
+    // That was perhaps the answer to the earlier one, so ours is still to come.
+    late_.note_unanswered(object, settings_.timeout);
+  }
   if (exchange.error && (conclusive || exchange.error->kind != ErrorKind::refused)) {
     Error failure = *exchange.error;
     failure.outcome_unknown = failure.kind != ErrorKind::refused;
@@ -165,11 +174,11 @@ boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object
   if (!late_.expected(object)) {
     co_return true;
   }
-  const std::optional<ObjectAddress> other = late_.readable();
-  if (!other) {
+  const ObjectAddress other = late_.readable().value_or(kDeviceType);
+  if (late_.expected(other)) {
     co_return false;
   }
-  SdoTransfer transfer = SdoTransfer::upload(settings_, *other, 0);
+  SdoTransfer transfer = SdoTransfer::upload(settings_, other, 0);
   const Result<Bytes> answer = co_await try_once(std::move(transfer), due);
   if (answer.has_value() || answer.error().kind == ErrorKind::refused || answer.error().kind == ErrorKind::protocol) {
     co_return true;

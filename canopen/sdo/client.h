@@ -18,6 +18,7 @@
 #include "canopen/sdo/late_answers.h"
 #include "canopen/sdo/line.h"
 #include "canopen/sdo/transfer.h"
+#include "canopen/still_stands.h"
 #include "canopen/subscription.h"
 
 namespace canopen {
@@ -59,8 +60,10 @@ class SdoClient {
   /// Download of a setting, tried again after a timeout. Never for what could move a motor.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
   /// Download of a command: sent once. Not begun by `deadline`: `timeout`, and it can never take effect. Begun and not
-  /// confirmed by then, or within the time of one answer: `timeout` with outcome_unknown.
-  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// confirmed by then, or within the time of one answer: `timeout` with outcome_unknown. Where what it was made from
+  /// does not stand any more: `incomplete`, not begun.
+  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
+                                                     StillStands still_stands = {});
 
   /// Fails everything that is under way or waits with `offline`; commands that have not left are withdrawn. Sends
   /// nothing. The client can be used again at once.
@@ -83,10 +86,10 @@ class SdoClient {
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries);
   boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries);
-  boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline);
+  boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline, StillStands still_stands);
   boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint due);
-  /// Whether no late answer for `object` can come any more. False where nothing can be read to find out; `timeout`
-  /// where the drive is silent until `due`.
+  /// Whether no late answer for `object` can come any more. False where nothing is left to be read to find out;
+  /// `timeout` where the drive is silent until `due`.
   boost::asio::awaitable<Result<bool>> settle_late(ObjectAddress object, TimePoint due);
   boost::asio::awaitable<void> await_end(Exchange& exchange);
 

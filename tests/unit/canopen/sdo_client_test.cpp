@@ -233,11 +233,12 @@ TEST_F(SdoClientTest, ACommandLeavesAlsoWhereTheDriveStaysSilent) {
   slave_.set(kStatus, DataType::u16, 1);
   slave_.set(kCommand, DataType::u16, 0);
   static_cast<void>(read_now(kStatus, DataType::u16));
-  slave_.delay_answers(1500ms);  // What it is sent it does, but says so late.
+  slave_.delay_answers(1100ms);  // What it is sent it does, but says so late.
   const auto start = command(kCommand, 1);
   loop_.advance(550ms);
   ASSERT_TRUE(start.done());
   EXPECT_TRUE(start.get().error().outcome_unknown);
+  slave_.delay_answers(2s);
   const auto stop = command(kCommand, 5);
   loop_.advance(420ms);
   const auto sent = slave_.heard().back().bytes();
@@ -246,23 +247,53 @@ TEST_F(SdoClientTest, ACommandLeavesAlsoWhereTheDriveStaysSilent) {
   ASSERT_TRUE(stop.done());
   EXPECT_EQ(stop.get().error().kind, ErrorKind::timeout);
   EXPECT_TRUE(stop.get().error().outcome_unknown);
+  EXPECT_NE(stop.get().error().detail.find("earlier request"), std::string::npos) << stop.get().error().detail;
+  // The answer to the first one ended the second, whose own answer comes when a third is on its way.
+  loop_.advance(990ms);
+  const auto third = command(kCommand, 6);
+  loop_.advance(850ms);
+  ASSERT_TRUE(third.done());
+  ASSERT_TRUE(third.get().has_error()) << "confirmed by the answer to another";
+  EXPECT_TRUE(third.get().error().outcome_unknown);
+}
+
+TEST_F(SdoClientTest, ACommandMadeFromWhatHasChangedMeanwhileNeverLeaves) {
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.set(kStatus, DataType::u16, 0);
+  bool stands = true;
+  slave_.delay_answers(100ms);
+  const auto reading = read(kStatus, DataType::u16);
+  const auto writing = support::spawn(
+      loop_.executor(),
+      client_->write_command(kCommand, DataType::u16, 1, Clock::now() + 800ms, [&stands] { return stands; }));
+  loop_.advance(50ms);
+  EXPECT_FALSE(writing.done());
+  stands = false;
+  loop_.advance(60ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::incomplete);
+  EXPECT_FALSE(writing.get().error().outcome_unknown);
+  loop_.advance(1s);
+  EXPECT_TRUE(slave_.writes().empty());
 }
 
 TEST_F(SdoClientTest, WithoutProofNoAnswerConfirmsOrRefusesACommand) {
   for (const bool confirmed : {true, false}) {
     slave_.script({});
     slave_.mute_sdo(true);
-    use({});  // It knows of no object that can be read.
+    use({});
     const auto first = command(kCommand, 1);
     loop_.advance(550ms);
     ASSERT_TRUE(first.done());
     slave_.mute_sdo(false);
     answer_with({confirmed ? Bytes{0x60, 0x30, 0x20, 0x02, 0, 0, 0, 0} : Bytes{0x80, 0x30, 0x20, 0x02, 0, 0, 2, 6}});
-    const Result<void> second = command_now(kCommand, 5);
-    ASSERT_TRUE(second.has_error());
-    EXPECT_EQ(second.error().kind, ErrorKind::timeout);
-    EXPECT_TRUE(second.error().outcome_unknown);
-    EXPECT_NE(second.error().detail.find("earlier request"), std::string::npos) << second.error().detail;
+    const auto second = command(kCommand, 5);
+    loop_.advance(450ms);
+    ASSERT_TRUE(second.done());
+    ASSERT_TRUE(second.get().has_error());
+    EXPECT_EQ(second.get().error().kind, ErrorKind::timeout);
+    EXPECT_TRUE(second.get().error().outcome_unknown);
+    EXPECT_NE(second.get().error().detail.find("earlier request"), std::string::npos) << second.get().error().detail;
   }
 }
 

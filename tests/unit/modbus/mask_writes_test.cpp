@@ -115,6 +115,45 @@ TEST_F(MaskWrites, AMaskIsRefusedWhereACommandBeforeItChangedItsBits) {
   EXPECT_TRUE(puppet().written.empty());
 }
 
+TEST_F(MaskWrites, AMaskOfAReadableRegisterDoesNotBuildOnWhatACommandOfUnknownOutcomeMayHaveReplaced) {
+  site_.run(milliseconds(1500));
+  process::Drive& drive = site_.plant().drive(0);
+  puppet().mute = true;
+  const auto other =
+      support::spawn(site_.loop().executor(),
+                     drive.write({process::Writer::Way::modbus, "10.0.0.9"},
+                                 {{static_cast<process::SignalId>(*drive.model().find("ramp")), canopen::Raw{1}}}));
+  site_.settle();
+  const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, "16 0134 00ff 0100");
+  ASSERT_EQ(site_.client().send(request), request.size());
+  EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); })) << "it waits for its turn";
+  site_.loop().advance(milliseconds(600));
+  ASSERT_TRUE(other.done());
+  EXPECT_TRUE(other.get().error().outcome_unknown);
+  EXPECT_EQ(site_.answer(site_.client()), "96 03");
+  EXPECT_TRUE(puppet().written.empty());
+}
+
+TEST_F(MaskWrites, AMaskThatWaitsForTheSdoChannelDoesNotOutliveAStandstill) {
+  site_.send_values(0x0001, 0, 0);
+  EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
+  puppet().written.clear();
+  puppet().mute = true;
+  const auto reading = support::spawn(
+      site_.loop().executor(), site_.plant().drive(0).sdo_read(modbus_test::kRampObject, canopen::DataType::u16));
+  site_.settle();
+  const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, "16 012c ff00 0008");
+  ASSERT_EQ(site_.client().send(request), request.size());
+  EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); })) << "it waits for the channel";
+  site_.send_values(0x0000, 0, 0);
+  site_.loop().advance(milliseconds(600));
+  EXPECT_EQ(site_.answer(site_.client()), "96 03");
+  puppet().mute = false;
+  site_.run(milliseconds(500));
+  EXPECT_TRUE(puppet().written.empty());
+  EXPECT_FALSE(reading.done() && reading.get().has_error());
+}
+
 TEST(MaskWritesToADriveWithQuickStop, AMaskCarriesNoCommandFromBeforeAQuickStop) {
   config::Model model = modbus_test::example_model();
   config::Drive& drive = model.drives.front();
