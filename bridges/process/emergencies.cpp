@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bridges/process/fault_naming.h"
+#include "bridges/process/restored_errors.h"
 
 namespace process {
 namespace {
@@ -15,13 +16,6 @@ using config::Severity;
 
 /// A bit is believed without having been seen otherwise when it stays so for so many periods.
 constexpr int kBelievedPeriods = 3;
-
-// The emergency of an error as the broker kept it.
-std::optional<canopen::Emcy> emcy_of(const canopen::EmcySettings& settings, const AlarmError& error) {
-  std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(error.code), static_cast<std::uint8_t>(error.code >> 8)};
-  std::copy(error.vendor.begin(), error.vendor.end(), bytes.begin() + 3);
-  return canopen::decode_emcy(settings, bytes);
-}
 
 std::uint16_t short_code(std::uint64_t code) noexcept {
   return code <= 0xFFFF ? static_cast<std::uint16_t>(code) : std::uint16_t{0};
@@ -173,8 +167,12 @@ void Emergencies::raise_from_bit(Severity severity, WallTime wall) {
 // What was active may have been reset and another fault come while nobody listened. The old one is listed until the bit
 // tells: the drive may have both.
 bool Emergencies::another_fault() const noexcept {
-  return fault_code_ != 0 && std::all_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-           return entry.error.severity != Severity::fault || (entry.from_before && !names(entry, fault_code_));
+  const auto known = model_.faults.drive_texts.find(fault_code_);
+  const bool names_warning = known != model_.faults.drive_texts.end() && known->second.severity == Severity::warning;
+  return fault_code_ != 0 && !names_warning && std::all_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+           // Without a number of the drive's own it may be the same.
+           const bool differs = entry.drive_code.value_or(0) != 0 && !names(entry, fault_code_);
+           return entry.error.severity != Severity::fault || (entry.from_before && differs);
          });
 }
 
@@ -287,20 +285,11 @@ void Emergencies::restore(const Alarm& before) {
   if (!before.active) {
     return;
   }
-  std::vector<AlarmError> errors = before.errors;
-  if (errors.empty()) {
-    errors.push_back({before.code, before.vendor, before.text, before.severity, before.since});
-  }
   std::vector<Entry> restored;
-  for (AlarmError& error : errors) {
-    const std::optional<canopen::Emcy> emcy = emcy_of(model_.node.emcy, error);
-    const bool foremost = error.code == before.code && error.text == before.text;
-    if (emcy && !foremost) {
-      // The alarm tells only the severity of its foremost error; a warning beside a fault is none.
-      error.severity = name_emcy(model_.faults, model_.node.emcy, *emcy).severity;
-    }
+  for (AlarmError& error : restored_errors(model_, before)) {
+    const std::optional<std::uint64_t> drive_code = drive_code_of(model_, error);
     restored.push_back(
-        {.error = std::move(error), .origin = Origin::restored, .drive_code = emcy ? emcy->drive_code : std::nullopt});
+        {.error = std::move(error), .origin = Origin::restored, .drive_code = drive_code, .from_before = true});
   }
   std::erase_if(restored, [&](const Entry& old) {
     return std::any_of(entries_.begin(), entries_.end(),

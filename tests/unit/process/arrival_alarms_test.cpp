@@ -195,6 +195,60 @@ TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
   EXPECT_EQ(emcy_alarm().id, "old");
 }
 
+TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamed) {
+  Alarm before;
+  before.active = true;
+  before.id = "old";
+  before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
+  alarms_->restore_emcy(before);
+  come_online();
+  alarms_->on_fault_code(0x40, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{4})) << "this code is of a warning";
+  alarms_->on_fault_code(0x05, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{4, 5}));
+  EXPECT_EQ(emcy_alarm().id, "old");
+}
+
+TEST_F(AlarmsTest, AnErrorWithoutANumberOfTheDriveIsNotListedTwice) {
+  model_.node.emcy.layout = canopen::EmcyLayout::cia301;
+  build();
+  come_online();
+  emcy(0x1000, 0x81, {1, 2, 3});
+  fault(true);
+  go_offline();
+  come_online();
+  alarms_->on_fault_code(0x05, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{0x1000}));
+}
+
+TEST_F(AlarmsTest, RestoredWarningsStayWarnings) {
+  Alarm before;
+  before.active = true;
+  before.code = 0x71;
+  before.text = "b";
+  before.severity = Severity::warning;
+  before.errors = {{0x70, {}, "a", Severity::warning, WallTime(5s)}, {0x71, {}, "b", Severity::warning, WallTime(6s)}};
+  alarms_->restore_emcy(before);
+  EXPECT_EQ(emcy_alarm().code, 0x71);
+  EXPECT_EQ(emcy_alarm().severity, Severity::warning);
+  EXPECT_FALSE(alarms_->any(Severity::fault));
+}
+
+TEST_F(AlarmsTest, WhatIsNewerThanTheRestoredFaultIsAWarning) {
+  Alarm before;
+  before.active = true;
+  before.code = 4;
+  before.text = "Overcurrent during acceleration";
+  before.errors = {{4, {}, before.text, Severity::fault, WallTime(5s)},
+                   {0, {}, "drive reports a warning", Severity::fault, WallTime(6s)}};
+  alarms_->restore_emcy(before);
+  EXPECT_EQ(emcy_alarm().code, 4);
+  EXPECT_EQ(emcy_alarm().errors.at(1).severity, Severity::warning);
+}
+
 TEST_F(AlarmsTest, ARestoredWarningBesideAFaultIsOfTheWarningBit) {
   Alarm before;
   before.active = true;
