@@ -1,6 +1,7 @@
 #include "bridges/mqtt/feed.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "bridges/mqtt/alarm_json.h"
@@ -8,6 +9,9 @@
 
 namespace mqtt {
 namespace {
+
+// A search ends sooner; what restarts all the time or was stopped meanwhile may never tell.
+constexpr std::chrono::seconds kPatience(10);
 
 bool tells_its_state(const canopen::NodeStatus& status) {
   return status.online || status.lost || status.boot_result != canopen::kNotBooted || !status.boot_text.empty();
@@ -72,19 +76,20 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
     control_due_ = false;
     out.push_back({.topic = topics_.control, .payload = control_json()});
   }
-  collect_alarms(out);
+  const canopen::TimePoint held = collect_alarms(now, out);
   // The state before the single values: its time stamps are those of the values as they were compared.
   collect_state(now, out);
   collect_signals(now, out);
-  return pace_.next();
+  return std::min(pace_.next(), held);
 }
 
 Message Feed::offline() const {
   return {.topic = topics_.status, .payload = online_text(false)};
 }
 
-void Feed::collect_alarms(std::vector<Message>& out) {
-  learnt_ = learnt_ || tells_its_state(drive_.status());
+canopen::TimePoint Feed::collect_alarms(canopen::TimePoint now, std::vector<Message>& out) {
+  first_ = first_.value_or(now);
+  learnt_ = learnt_ || tells_its_state(drive_.status()) || now >= *first_ + kPatience;
   for (const process::AlarmKind kind : process::kAlarmKinds) {
     const auto position = static_cast<std::size_t>(kind);
     if (!alarms_due_.test(position) || (depends_on_state(kind) && !learnt_)) {
@@ -94,6 +99,7 @@ void Feed::collect_alarms(std::vector<Message>& out) {
     out.push_back(
         {.topic = topics_.alarms.at(position), .payload = alarm_json(drive_.alarm(kind)), .kind = MessageKind::alarm});
   }
+  return learnt_ ? canopen::TimePoint::max() : *first_ + kPatience;
 }
 
 void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {

@@ -33,7 +33,8 @@ class Feed {
   [[nodiscard]] Message offline() const;
 
  private:
-  void collect_alarms(std::vector<Message>& out);
+  /// Returns when those that it held back are due.
+  canopen::TimePoint collect_alarms(canopen::TimePoint now, std::vector<Message>& out);
   void collect_signals(canopen::TimePoint now, std::vector<Message>& out);
   void collect_state(canopen::TimePoint now, std::vector<Message>& out);
 
@@ -48,6 +49,7 @@ class Feed {
   /// The drive was once online, lost, or found with a boot error. Until then its alarms are those on the broker: to
   /// call them over for the seconds that a search takes would be no news but a mistake.
   bool learnt_ = false;
+  std::optional<canopen::TimePoint> first_;  ///< When it first had something to tell.
   std::bitset<process::kAlarmKinds.size()> alarms_due_;
 };
 

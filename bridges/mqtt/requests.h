@@ -25,8 +25,8 @@ class Requests {
 
   /// Commands of one drive under way at a time; further ones are answered `timeout` at once, not carried out.
   static constexpr std::size_t kMaxCommands = 64;
-  /// SDO reads likewise: each may take all its tries, and the drive answers one at a time.
-  static constexpr std::size_t kMaxReads = 8;
+  /// SDO reads likewise, counted apart: a stop must not fail because of them.
+  static constexpr std::size_t kMaxReads = 64;
 
   /// `plant` and `topics` outlive it; `publish` is called on the loop until the end of stop().
   Requests(boost::asio::any_io_executor executor, process::Plant& plant, const Topics& topics, Publish publish);

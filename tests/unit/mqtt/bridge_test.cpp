@@ -263,6 +263,21 @@ TEST(MqttBridge, AnAlarmOfAMissingDriveIsNotCalledOverBeforeTheDriveIsFoundOrFou
   }
 }
 
+TEST(MqttBridge, AlarmsOfADriveThatRestartsAllTheTimeAreToldAfterAWhile) {
+  PlantSite site;
+  site.puppet().mute = true;
+  site.broker().events->on_connected(1);
+  site.broker().events->on_subscribed(true);
+  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  for (int i = 0; i < 55; ++i) {
+    EXPECT_EQ(i < 50 ? site.retained("pump1/alarm/heartbeat") : "never published", "never published") << i;
+    site.puppet().boot_up();
+    site.loop().advance(200ms, 10ms);
+  }
+  EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), R"("active":false)"));
+  EXPECT_TRUE(contains(site.retained("pump1/alarm/data"), R"("active":false)"));
+}
+
 TEST(MqttBridge, ARetainedAlarmThatIsNoneIsIgnoredAndSaid) {
   PlantSite site;
   site.broker().events->on_connected(1);
