@@ -43,8 +43,10 @@ void KnownCommands::confirm(process::SignalId signal, canopen::Raw raw, canopen:
 }
 
 void KnownCommands::forget(process::SignalId signal, canopen::TimePoint now) {
+  if (confirmed_[signal] != now) {  // Else it was confirmed, only that it counts for nothing.
+    forgotten_[signal] = now;
+  }
   confirmed_[signal].reset();
-  forgotten_[signal] = now;
 }
 
 std::optional<canopen::TimePoint> KnownCommands::confirmed_at(process::SignalId signal) const {

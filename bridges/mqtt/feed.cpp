@@ -10,8 +10,11 @@
 namespace mqtt {
 namespace {
 
-// A search ends sooner; what restarts all the time or was stopped meanwhile may never tell.
-constexpr std::chrono::seconds kPatience(10);
+// A search ends sooner: it listens for the heartbeat's timeout, asks, and listens again. What restarts all the time or
+// was stopped meanwhile may never tell.
+canopen::Duration patience_of(const config::Drive& drive) {
+  return std::chrono::seconds(10) + 3 * drive.node.error_control.heartbeat_timeout;
+}
 
 bool tells_its_state(const canopen::NodeStatus& status) {
   return status.online || status.lost || status.boot_result != canopen::kNotBooted || !status.boot_text.empty();
@@ -89,7 +92,8 @@ Message Feed::offline() const {
 
 canopen::TimePoint Feed::collect_alarms(canopen::TimePoint now, std::vector<Message>& out) {
   first_ = first_.value_or(now);
-  learnt_ = learnt_ || tells_its_state(drive_.status()) || now >= *first_ + kPatience;
+  const canopen::TimePoint until = *first_ + patience_of(drive_.model());
+  learnt_ = learnt_ || tells_its_state(drive_.status()) || now >= until;
   for (const process::AlarmKind kind : process::kAlarmKinds) {
     const auto position = static_cast<std::size_t>(kind);
     if (!alarms_due_.test(position) || (depends_on_state(kind) && !learnt_)) {
@@ -99,7 +103,7 @@ canopen::TimePoint Feed::collect_alarms(canopen::TimePoint now, std::vector<Mess
     out.push_back(
         {.topic = topics_.alarms.at(position), .payload = alarm_json(drive_.alarm(kind)), .kind = MessageKind::alarm});
   }
-  return learnt_ ? canopen::TimePoint::max() : *first_ + kPatience;
+  return learnt_ ? canopen::TimePoint::max() : until;
 }
 
 void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {

@@ -191,12 +191,8 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
   std::string written;
   bool allow_rpdo = true;
   while (!remaining.empty()) {
-    if (!running_is_fresh()) {
-      // Nobody can tell whether the motor came to a stop since earlier commands.
-      on_standstill();
-    }
-    if (still_stands && !still_stands()) {
-      co_return with_written(error(ErrorKind::incomplete, "not begun: what it was made from has changed"), written);
+    if (std::optional<Error> outlived = refuse_outlived(still_stands)) {
+      co_return with_written(*std::move(outlived), written);
     }
     const WriteStep step = next_step(model_, node_, remaining, allow_rpdo);
     Outcome outcome = co_await sender_.send(step, arrival.knowledge, arrival.deadline, still_stands);
@@ -219,6 +215,17 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
     }
   }
   co_return Outcome();
+}
+
+std::optional<Error> Commands::refuse_outlived(const StillStands& still_stands) {
+  if (!running_is_fresh()) {
+    // Nobody can tell whether the motor came to a stop since earlier commands.
+    on_standstill();
+  }
+  if (still_stands && !still_stands()) {
+    return error(ErrorKind::incomplete, "not begun: what it was made from has changed");
+  }
+  return std::nullopt;
 }
 
 void Commands::tell(const WriteStep& step, const Outcome& outcome, const Arrival& arrival) {

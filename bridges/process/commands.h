@@ -76,6 +76,8 @@ class Commands {
   /// Nothing where the command has its turn and the drive is still the one it was meant for.
   boost::asio::awaitable<std::optional<canopen::Error>> await_turn(const CommandQueue::Ticket& ticket, Arrival arrival);
   boost::asio::awaitable<Outcome> carry_out(std::vector<Field> fields, Arrival arrival, StillStands still_stands);
+  /// A step is about to be sent: what it was made from may not stand any more.
+  [[nodiscard]] std::optional<canopen::Error> refuse_outlived(const StillStands& still_stands);
   /// What a step has left behind.
   void tell(const WriteStep& step, const Outcome& outcome, const Arrival& arrival);
   [[nodiscard]] static std::vector<SignalId> signals_of(const WriteStep& step);

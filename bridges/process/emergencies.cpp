@@ -168,11 +168,15 @@ void Emergencies::raise_from_bit(Severity severity, WallTime wall) {
 // tells: the drive may have both.
 bool Emergencies::another_fault() const noexcept {
   const auto known = model_.faults.drive_texts.find(fault_code_);
-  const bool names_warning = known != model_.faults.drive_texts.end() && known->second.severity == Severity::warning;
+  const bool may_warn = !bit(Severity::warning).known || bit(Severity::warning).set;
+  const bool names_warning =
+      may_warn && known != model_.faults.drive_texts.end() && known->second.severity == Severity::warning;
+  const bool of_emcy = is_emcy_code(model_.faults, model_.node.emcy, fault_code_);
   return fault_code_ != 0 && !names_warning && std::all_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-           // Without a number of the drive's own it may be the same.
-           const bool differs = entry.drive_code.value_or(0) != 0 && !names(entry, fault_code_);
-           return entry.error.severity != Severity::fault || (entry.from_before && differs);
+           // Without a number to compare it may be the same.
+           const bool comparable = entry.drive_code.value_or(0) != 0 || of_emcy;
+           return entry.error.severity != Severity::fault ||
+                  (entry.from_before && comparable && !names(entry, fault_code_));
          });
 }
 

@@ -44,16 +44,18 @@ FaultText name_emcy(const config::FaultRules& rules, const canopen::EmcySettings
   return named;
 }
 
+bool is_emcy_code(const config::FaultRules& rules, const canopen::EmcySettings& settings, std::uint64_t code) noexcept {
+  return settings.layout == EmcyLayout::cia301 && settings.drive_code_under == 0 && !rules.drive_texts.contains(code) &&
+         code <= 0xFFFF;
+}
+
 FaultText name_fault_code(const config::FaultRules& rules, const canopen::EmcySettings& settings, std::uint64_t code,
                           Severity severity) {
   if (code == 0) {
     return {severity == Severity::fault ? "drive reports a fault" : "drive reports a warning", severity};
   }
-  // The fault code of a CiA 402 drive (0x603F) is an EMCY code; all others number their faults themselves.
-  const bool is_emcy_code = settings.layout == EmcyLayout::cia301 && settings.drive_code_under == 0 &&
-                            !rules.drive_texts.contains(code) && code <= 0xFFFF;
-  FaultText named =
-      is_emcy_code ? name_emcy_code(rules, static_cast<std::uint16_t>(code)) : name_drive_code(rules, code);
+  FaultText named = is_emcy_code(rules, settings, code) ? name_emcy_code(rules, static_cast<std::uint16_t>(code))
+                                                        : name_drive_code(rules, code);
   named.severity = severity;
   return named;
 }

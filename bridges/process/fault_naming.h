@@ -12,6 +12,10 @@ namespace process {
 [[nodiscard]] config::FaultText name_emcy(const config::FaultRules& rules, const canopen::EmcySettings& settings,
                                           const canopen::Emcy& emcy);
 
+/// The fault code signal holds EMCY codes, as 0x603F of a CiA 402 drive; all others number their faults themselves.
+[[nodiscard]] bool is_emcy_code(const config::FaultRules& rules, const canopen::EmcySettings& settings,
+                                std::uint64_t code) noexcept;
+
 /// The same for the value of the profile's fault code signal; the severity is that of the status bit that told it.
 [[nodiscard]] config::FaultText name_fault_code(const config::FaultRules& rules, const canopen::EmcySettings& settings,
                                                 std::uint64_t code, config::Severity severity);

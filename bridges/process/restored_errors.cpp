@@ -4,11 +4,29 @@
 #include <array>
 #include <iterator>
 
+#include "bridges/process/fault_naming.h"
 #include "canopen/emcy.h"
 
 namespace process {
 
 using config::Severity;
+
+namespace {
+
+Severity severity_of(const config::Drive& model, const AlarmError& error) {
+  const auto known = model.faults.drive_texts.find(drive_code_of(model, error).value_or(0));
+  if (known != model.faults.drive_texts.end()) {
+    return known->second.severity;
+  }
+  if (error.code == 0) {  // Raised from a bit.
+    const bool warning = error.text == name_fault_code(model.faults, model.node.emcy, 0, Severity::warning).text;
+    return warning ? Severity::warning : Severity::fault;
+  }
+  const config::FaultText* const text = config::find_emcy_text(model.faults, error.code);
+  return text != nullptr ? text->severity : Severity::fault;
+}
+
+}  // namespace
 
 std::vector<AlarmError> restored_errors(const config::Drive& model, const Alarm& before) {
   std::vector<AlarmError> errors = before.errors;
@@ -22,12 +40,7 @@ std::vector<AlarmError> restored_errors(const config::Drive& model, const Alarm&
     return errors;
   }
   std::for_each(errors.rbegin(), head, [](AlarmError& error) { error.severity = Severity::warning; });
-  std::for_each(std::next(head), errors.rend(), [&](AlarmError& error) {
-    const auto known = model.faults.drive_texts.find(drive_code_of(model, error).value_or(0));
-    if (known != model.faults.drive_texts.end()) {
-      error.severity = known->second.severity;
-    }
-  });
+  std::for_each(std::next(head), errors.rend(), [&](AlarmError& error) { error.severity = severity_of(model, error); });
   return errors;
 }
 

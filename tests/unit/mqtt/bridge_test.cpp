@@ -263,14 +263,29 @@ TEST(MqttBridge, AnAlarmOfAMissingDriveIsNotCalledOverBeforeTheDriveIsFoundOrFou
   }
 }
 
+TEST(MqttBridge, ALongSearchCallsNoAlarmOver) {
+  config::Model model = PlantSite::bridge_model();
+  model.drives[0].node.error_control.heartbeat_timeout = 30s;
+  PlantSite site(std::move(model));
+  site.puppet().mute = true;
+  site.broker().events->on_connected(1);
+  site.broker().events->on_subscribed(true);
+  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  site.loop().advance(25s, 100ms);
+  EXPECT_EQ(site.retained("pump1/alarm/heartbeat"), "never published");
+  site.loop().advance(20s, 100ms);
+  EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), R"("active":true)"))
+      << site.retained("pump1/alarm/heartbeat");
+}
+
 TEST(MqttBridge, AlarmsOfADriveThatRestartsAllTheTimeAreToldAfterAWhile) {
   PlantSite site;
   site.puppet().mute = true;
   site.broker().events->on_connected(1);
   site.broker().events->on_subscribed(true);
   site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
-  for (int i = 0; i < 55; ++i) {
-    EXPECT_EQ(i < 50 ? site.retained("pump1/alarm/heartbeat") : "never published", "never published") << i;
+  for (int i = 0; i < 80; ++i) {
+    EXPECT_EQ(i < 70 ? site.retained("pump1/alarm/heartbeat") : "never published", "never published") << i;
     site.puppet().boot_up();
     site.loop().advance(200ms, 10ms);
   }

@@ -205,6 +205,18 @@ TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamed) {
   alarms_->on_fault_code(0x40, wall_);
   fault(true);
   EXPECT_EQ(codes(), (Codes{4})) << "this code is of a warning";
+  warning(false);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{4, 0x40})) << "but the drive has none, whatever the table says";
+}
+
+TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamedByItsNumber) {
+  Alarm before;
+  before.active = true;
+  before.id = "old";
+  before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
+  alarms_->restore_emcy(before);
+  come_online();
   alarms_->on_fault_code(0x05, wall_);
   fault(true);
   EXPECT_EQ(codes(), (Codes{4, 5}));
@@ -224,6 +236,23 @@ TEST_F(AlarmsTest, AnErrorWithoutANumberOfTheDriveIsNotListedTwice) {
   EXPECT_EQ(codes(), (Codes{0x1000}));
 }
 
+TEST_F(AlarmsTest, AFaultCodeThatIsAnEmcyCodeNamesAnotherFault) {
+  model_.node.emcy.layout = canopen::EmcyLayout::cia301;
+  model_.faults.drive_texts.clear();
+  build();
+  come_online();
+  emcy(0x2310);
+  fault(true);
+  go_offline();
+  come_online();
+  alarms_->on_fault_code(0x2310, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{0x2310}));
+  alarms_->on_fault_code(0x3210, wall_);
+  fault(true);
+  EXPECT_EQ(codes(), (Codes{0x2310, 0x3210}));
+}
+
 TEST_F(AlarmsTest, RestoredWarningsStayWarnings) {
   Alarm before;
   before.active = true;
@@ -237,16 +266,19 @@ TEST_F(AlarmsTest, RestoredWarningsStayWarnings) {
   EXPECT_FALSE(alarms_->any(Severity::fault));
 }
 
-TEST_F(AlarmsTest, WhatIsNewerThanTheRestoredFaultIsAWarning) {
+TEST_F(AlarmsTest, WarningsBesideARestoredFaultAreTold) {
   Alarm before;
   before.active = true;
   before.code = 4;
   before.text = "Overcurrent during acceleration";
-  before.errors = {{4, {}, before.text, Severity::fault, WallTime(5s)},
-                   {0, {}, "drive reports a warning", Severity::fault, WallTime(6s)}};
+  before.errors = {{0, {}, "drive reports a warning", Severity::fault, WallTime(4s)},
+                   {4, {}, before.text, Severity::fault, WallTime(5s)},
+                   {0x77, {}, "newer", Severity::fault, WallTime(6s)}};
   alarms_->restore_emcy(before);
   EXPECT_EQ(emcy_alarm().code, 4);
-  EXPECT_EQ(emcy_alarm().errors.at(1).severity, Severity::warning);
+  EXPECT_EQ(emcy_alarm().errors.at(0).severity, Severity::warning) << "its text says so";
+  EXPECT_EQ(emcy_alarm().errors.at(1).severity, Severity::fault);
+  EXPECT_EQ(emcy_alarm().errors.at(2).severity, Severity::warning);
 }
 
 TEST_F(AlarmsTest, ARestoredWarningBesideAFaultIsOfTheWarningBit) {
