@@ -22,6 +22,21 @@ class MaskWrites : public testing::Test {
   }
   Puppet& puppet() { return site_.puppet(); }
   std::string ask(std::string_view pdu) { return site_.ask(pdu); }
+  /// 1, by another client.
+  support::Spawned<process::Outcome> another_writes(std::string_view signal) {
+    process::Drive& drive = site_.plant().drive(0);
+    return support::spawn(
+        site_.loop().executor(),
+        drive.write({process::Writer::Way::modbus, "10.0.0.9"},
+                    {{static_cast<process::SignalId>(*drive.model().find(signal)), canopen::Raw{1}}}));
+  }
+  /// Sends a request that must wait for others before it.
+  void expect_waiting(std::string_view pdu) {
+    site_.settle();
+    const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, pdu);
+    ASSERT_EQ(site_.client().send(request), request.size());
+    EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); }));
+  }
 
   Site site_;
 };
@@ -81,12 +96,8 @@ TEST_F(MaskWrites, AMaskCarriesNoCommandFromBeforeABoot) {
 
 TEST_F(MaskWrites, AMaskBuildsOnNothingAfterACommandOfAnotherWriterOfUnknownOutcome) {
   EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
-  process::Drive& drive = site_.plant().drive(0);
   puppet().mute = true;
-  const auto outcome = support::spawn(
-      site_.loop().executor(),
-      drive.write({process::Writer::Way::modbus, "10.0.0.9"},
-                  {{static_cast<process::SignalId>(*drive.model().find("acceleration")), canopen::Raw{1}}}));
+  const auto outcome = another_writes("acceleration");
   site_.loop().advance(milliseconds(900));
   ASSERT_TRUE(outcome.done());
   ASSERT_TRUE(outcome.get().error().outcome_unknown) << canopen::to_string(outcome.get().error());
@@ -96,17 +107,10 @@ TEST_F(MaskWrites, AMaskBuildsOnNothingAfterACommandOfAnotherWriterOfUnknownOutc
 
 TEST_F(MaskWrites, AMaskIsRefusedWhereACommandBeforeItChangedItsBits) {
   EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
-  process::Drive& drive = site_.plant().drive(0);
   puppet().written.clear();
   puppet().mute = true;
-  const auto other = support::spawn(
-      site_.loop().executor(),
-      drive.write({process::Writer::Way::modbus, "10.0.0.9"},
-                  {{static_cast<process::SignalId>(*drive.model().find("acceleration")), canopen::Raw{1}}}));
-  site_.settle();
-  const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, "16 012c ff00 0008");
-  ASSERT_EQ(site_.client().send(request), request.size());
-  EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); })) << "it waits for its turn";
+  const auto other = another_writes("acceleration");
+  expect_waiting("16 012c ff00 0008");
   site_.loop().advance(milliseconds(600));
   ASSERT_TRUE(other.done());
   EXPECT_EQ(site_.answer(site_.client()), "96 03");
@@ -117,16 +121,9 @@ TEST_F(MaskWrites, AMaskIsRefusedWhereACommandBeforeItChangedItsBits) {
 
 TEST_F(MaskWrites, AMaskOfAReadableRegisterDoesNotBuildOnWhatACommandOfUnknownOutcomeMayHaveReplaced) {
   site_.run(milliseconds(1500));
-  process::Drive& drive = site_.plant().drive(0);
   puppet().mute = true;
-  const auto other =
-      support::spawn(site_.loop().executor(),
-                     drive.write({process::Writer::Way::modbus, "10.0.0.9"},
-                                 {{static_cast<process::SignalId>(*drive.model().find("ramp")), canopen::Raw{1}}}));
-  site_.settle();
-  const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, "16 0134 00ff 0100");
-  ASSERT_EQ(site_.client().send(request), request.size());
-  EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); })) << "it waits for its turn";
+  const auto other = another_writes("ramp");
+  expect_waiting("16 0134 00ff 0100");
   site_.loop().advance(milliseconds(600));
   ASSERT_TRUE(other.done());
   EXPECT_TRUE(other.get().error().outcome_unknown);
@@ -141,10 +138,7 @@ TEST_F(MaskWrites, AMaskThatWaitsForTheSdoChannelDoesNotOutliveAStandstill) {
   puppet().mute = true;
   const auto reading = support::spawn(
       site_.loop().executor(), site_.plant().drive(0).sdo_read(modbus_test::kRampObject, canopen::DataType::u16));
-  site_.settle();
-  const modbus_test::Bytes request = modbus_test::frame(modbus_test::kUnit, "16 012c ff00 0008");
-  ASSERT_EQ(site_.client().send(request), request.size());
-  EXPECT_FALSE(site_.settle_until([this] { return site_.client().has_frame(); })) << "it waits for the channel";
+  expect_waiting("16 012c ff00 0008");
   site_.send_values(0x0000, 0, 0);
   site_.loop().advance(milliseconds(600));
   EXPECT_EQ(site_.answer(site_.client()), "96 03");

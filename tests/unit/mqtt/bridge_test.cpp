@@ -223,6 +223,12 @@ process::Alarm old_alarm() {
   return alarm;
 }
 
+void connect_with_old_alarm(PlantSite& site) {
+  site.broker().events->on_connected(1);
+  site.broker().events->on_subscribed(true);
+  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+}
+
 TEST(MqttBridge, AnAlarmFromBeforeTheStartStaysUnconfirmedUntilTheDriveIsThere) {
   PlantSite site;
   site.broker().events->on_connected(1);
@@ -243,9 +249,7 @@ TEST(MqttBridge, AnAlarmOfAMissingDriveIsNotCalledOverBeforeTheDriveIsFoundOrFou
   for (const bool is_there : {false, true}) {
     PlantSite site;
     site.puppet().mute = !is_there;
-    site.broker().events->on_connected(1);
-    site.broker().events->on_subscribed(true);
-    site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+    connect_with_old_alarm(site);
     ASSERT_TRUE(site.bridge().connected());
     EXPECT_EQ(site.retained("status"), "online");
     for (const char* alarm : {"pump1/alarm/heartbeat", "pump1/alarm/boot", "pump1/alarm/data"}) {
@@ -268,9 +272,7 @@ TEST(MqttBridge, ALongSearchCallsNoAlarmOver) {
   model.drives[0].node.error_control.heartbeat_timeout = 30s;
   PlantSite site(std::move(model));
   site.puppet().mute = true;
-  site.broker().events->on_connected(1);
-  site.broker().events->on_subscribed(true);
-  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  connect_with_old_alarm(site);
   site.loop().advance(25s, 100ms);
   EXPECT_EQ(site.retained("pump1/alarm/heartbeat"), "never published");
   site.loop().advance(20s, 100ms);
@@ -281,9 +283,7 @@ TEST(MqttBridge, ALongSearchCallsNoAlarmOver) {
 TEST(MqttBridge, AlarmsOfADriveThatRestartsAllTheTimeAreToldAfterAWhile) {
   PlantSite site;
   site.puppet().mute = true;
-  site.broker().events->on_connected(1);
-  site.broker().events->on_subscribed(true);
-  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  connect_with_old_alarm(site);
   for (int i = 0; i < 80; ++i) {
     EXPECT_EQ(i < 70 ? site.retained("pump1/alarm/heartbeat") : "never published", "never published") << i;
     site.puppet().boot_up();

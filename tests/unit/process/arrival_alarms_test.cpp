@@ -181,12 +181,17 @@ TEST_F(AlarmsTest, AnotherFaultThatCameUnheardIsNamedByTheFaultCode) {
   EXPECT_FALSE(emcy_alarm().active);
 }
 
-TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
+Alarm restored_overcurrent() {
   Alarm before;
   before.active = true;
   before.id = "old";
-  before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
-  alarms_->restore_emcy(before);
+  before.errors = {
+      {4, {}, "Overcurrent during acceleration", config::Severity::fault, canopen::WallTime(std::chrono::seconds(5))}};
+  return before;
+}
+
+TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
+  alarms_->restore_emcy(restored_overcurrent());
   come_online();
   fault(true);
   alarms_->on_fault_code(0x04, wall_);
@@ -196,11 +201,7 @@ TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
 }
 
 TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamed) {
-  Alarm before;
-  before.active = true;
-  before.id = "old";
-  before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore_emcy(restored_overcurrent());
   come_online();
   alarms_->on_fault_code(0x40, wall_);
   fault(true);
@@ -211,11 +212,7 @@ TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamed) {
 }
 
 TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamedByItsNumber) {
-  Alarm before;
-  before.active = true;
-  before.id = "old";
-  before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore_emcy(restored_overcurrent());
   come_online();
   alarms_->on_fault_code(0x05, wall_);
   fault(true);
