@@ -5,16 +5,19 @@
 #include <string_view>
 #include <vector>
 
-#include "config/finding.h"
 #include "config/model.h"
+#include "config/toml/report.h"
 
 namespace config {
+
+class ProfileLibrary;
 
 struct LoadOptions {
   std::filesystem::path file;
   /// Searched in this order; the first that holds NAME.toml wins.
   std::vector<std::filesystem::path> profile_dirs;
-  std::string host_name;  ///< The gateway's name where the file gives none.
+  std::string host_name;      ///< The gateway's name where the file gives none.
+  bool with_secrets = false;  ///< Read the file of the password; else only its size and mode are looked at.
 };
 
 struct Loaded {
@@ -25,6 +28,9 @@ struct Loaded {
 [[nodiscard]] Loaded load(const LoadOptions& options);
 /// The same from text; `options.file` only names it in findings.
 [[nodiscard]] Loaded load_text(std::string_view text, const LoadOptions& options);
+
+/// The same with the profiles of `library`.
+[[nodiscard]] Loaded load_text(std::string_view text, const LoadOptions& options, ProfileLibrary& library);
 
 /// `ok: 1 bus, 4 drives, 52 signals`
 [[nodiscard]] std::string summary(const Model& model);

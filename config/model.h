@@ -173,15 +173,17 @@ struct Modbus {
   std::vector<Network> read_from{{"0.0.0.0", 0}, {"::", 0}};
   std::vector<Network> write_from{{"127.0.0.0", 8}, {"::1", 128}};
   WordOrder word_order = WordOrder::big;
+  OnStale on_stale = OnStale::exception;  ///< What drives have that say nothing else.
   friend bool operator==(const Modbus&, const Modbus&) = default;
 };
 
 struct Mqtt {
-  Endpoint broker{"127.0.0.1", 1883};
+  std::vector<Endpoint> brokers{{"127.0.0.1", 1883}};  ///< Exactly one in this version.
   std::string base = "canopen";
   std::string username;
-  std::string password;  ///< Read from password_file.
-  int qos = 1;           ///< 0 or 1 (2 is refused)
+  std::string password_file;  ///< Empty: none.
+  std::string password;       ///< Its first line, where secrets were asked for.
+  int qos = 1;                ///< 0 or 1 (2 is refused)
   bool state = true;
   bool signals = true;
   Duration min_interval = std::chrono::milliseconds(250);

@@ -127,12 +127,16 @@ bool is_plain_text(std::string_view text) noexcept {
                                             [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
 }
 
+std::optional<canopen::ObjectAddress> parse_stated_object(std::string_view text) {
+  return text.starts_with("0x") || text.starts_with("0X") ? canopen::parse_object(text) : std::nullopt;
+}
+
 std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped(std::string_view text) {
   const auto space = text.find(' ');
   if (space == std::string_view::npos) {
     return std::nullopt;
   }
-  const auto object = canopen::parse_object(text.substr(0, space));
+  const auto object = parse_stated_object(text.substr(0, space));
   const auto type = canopen::parse_type(trim(text.substr(space)));
   if (!object.has_value() || !type.has_value()) {
     return std::nullopt;

@@ -35,6 +35,8 @@ namespace config {
 /// Free text: no control characters, at most 200 bytes.
 [[nodiscard]] bool is_plain_text(std::string_view text) noexcept;
 
+/// `0x2021:02`, hexadecimal with its 0x; without a sub-index 0 is meant.
+[[nodiscard]] std::optional<canopen::ObjectAddress> parse_stated_object(std::string_view text);
 /// `0x2021:02 u16`: an object as a PDO maps it.
 [[nodiscard]] std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped(std::string_view text);
 /// `$NODEID+0x180` or `0x180+$NODEID` for this node, or a plain number.

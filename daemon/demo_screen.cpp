@@ -77,7 +77,7 @@ void add_mqtt_lines(std::string& text, const config::Model& model, const config:
   if (words == nullptr) {
     return;
   }
-  const std::string at = fmt::format("-h {} -p {}", model.mqtt->broker.host, model.mqtt->broker.port);
+  const std::string at = fmt::format("-h {} -p {}", model.mqtt->brokers.front().host, model.mqtt->brokers.front().port);
   const std::string topics = model.mqtt->base + "/" + model.gateway.name + "/" + drive.name;
   const std::string to = fmt::format("  mosquitto_pub {} -t {}", at, topics);
   const std::string alarm = fmt::format("  mosquitto_sub {} -C 1 -t {}/alarm/emcy\n", at, topics);
@@ -153,7 +153,7 @@ std::string demo_guide(const config::Model& model) {
                   model.drives.front().node.node);
   if (model.mqtt) {
     text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
-                        model.mqtt->broker.host, model.mqtt->broker.port, model.mqtt->base, model.gateway.name);
+                        model.mqtt->brokers.front().host, model.mqtt->brokers.front().port, model.mqtt->base, model.gateway.name);
   }
   for (const config::Drive& drive : model.drives) {
     text += fmt::format("\n{} ({}, node {}):\n", drive.name, drive.profile, drive.node.node);

@@ -86,7 +86,7 @@ void Publisher::leave() {
 
 PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
   PublisherSettings settings;
-  settings.broker = mqtt.broker;
+  settings.broker = mqtt.brokers.front();
   settings.connection.client_id = "canopen-gateway-" + gateway.name;
   settings.connection.username = mqtt.username;
   settings.connection.password = mqtt.password;

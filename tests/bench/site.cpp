@@ -50,7 +50,7 @@ config::Model demo_model(std::uint16_t modbus_port, std::uint16_t broker_port) {
   if (broker_port == 0) {
     model.mqtt.reset();
   } else {
-    model.mqtt->broker.port = broker_port;
+    model.mqtt->brokers.front().port = broker_port;
     model.mqtt->min_interval = canopen::Duration::zero();
   }
   return model;

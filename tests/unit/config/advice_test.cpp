@@ -12,7 +12,8 @@ using testing::UnorderedElementsAre;
 
 const std::string kMixer = "[[drive]]\nname = \"mixer1\"\nnode = 9\nprofile = \"vacon-opte6\"\n";
 const std::string kCommands = "[drive.commands]\nwriters = [\"mqtt\"]\n";
-const std::string kMax = "[drive.signals.target_velocity]\nmax = 1500\n";
+const std::string kMqtt = "[mqtt]\n";
+const std::string kMax = "[drive.signals.target_velocity]\nmax = 1500\n" + kMqtt;
 
 TEST(Advice, IsNotNeededForADriveThatIsOnlyWatched) {
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer)), IsEmpty());
@@ -26,19 +27,30 @@ TEST(Advice, WarnsOfCommandsThatNobodySupervises) {
               IsEmpty());
 }
 
+TEST(Advice, CountsAnEventTimerOnlyWhereTheDriveIsKnownToHaveIt) {
+  const std::string fan = "[[drive]]\nname = \"fan1\"\nnode = 3\nprofile = \"cia402-velocity\"\n";
+  EXPECT_THAT(warnings_of(load_site(kBus + fan + "rpdo1 = { event_timer = \"300ms\" }\n" + kCommands + kMax)),
+              ElementsAre(HasSubstr("nothing stops it when writer or gateway is gone")));
+  EXPECT_THAT(warnings_of(load_site(kBus + fan + "rpdo1 = { event_timer = \"300ms\", supervised = true }\n" +
+                                    kCommands + kMax)),
+              IsEmpty());
+}
+
 TEST(Advice, WarnsOfADeadlineThatOneUnansweredReadUsesUp) {
   const std::string supervised = kMixer + "supervise_gateway = \"2s\"\n";
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"500ms\"\n" + kMax)),
-              ElementsAre(HasSubstr("10:12: warning: drive \"mixer1\": commands.deadline (500ms) is not longer than "
+              ElementsAre(HasSubstr("10:12: warning: drive \"mixer1\": commands.deadline (500ms) is below twice "
                                     "sdo.timeout (500ms)")));
-  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"501ms\"\n" + kMax)), IsEmpty());
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"999ms\"\n" + kMax)),
+              ElementsAre(HasSubstr("commands.deadline (999ms) is below twice sdo.timeout (500ms)")));
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"1s\"\n" + kMax)), IsEmpty());
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + "sdo = { timeout = \"1s\" }\n" + kCommands + kMax)),
-              ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": commands.deadline (800ms) is not longer than "
+              ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": commands.deadline (800ms) is below twice "
                                     "sdo.timeout (1s)")));
 }
 
 TEST(Advice, WarnsOfASetpointWithoutMax) {
-  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + kCommands)),
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + kCommands + kMqtt)),
               ElementsAre(HasSubstr("set-point \"target_velocity\" has no max")));
 }
 
@@ -53,10 +65,11 @@ TEST(Advice, WarnsOfZeroForWhatIsNotFresh) {
 TEST(Advice, WarnsOfAnRpdoThatIsNeverSent) {
   const std::string hoist =
       "[[drive]]\nname = \"hoist1\"\nnode = 7\nprofile = \"invt-goodrive600\"\n"
-      "returns = { 1 = \"output_frequency\" }\nsettings = { 1 = \"frequency_command\" }\n";
+      "returns = { 1 = \"output_frequency\" }\nsettings = { 1 = \"frequency_command\" }\n"
+      "tpdo2.unconfirmed = false\nrpdo2.unconfirmed = false\n";
   const std::string limits = "[drive.signals.frequency_command]\nmax = 50\n";
   EXPECT_THAT(
-      warnings_of(load_site(kBus + hoist + kCommands + limits)),
+      warnings_of(load_site(kBus + hoist + kCommands + limits + kMqtt)),
       UnorderedElementsAre(HasSubstr("nothing stops it"),
                            HasSubstr("rpdo2 is never sent, because nothing says what its field 0x2100:04 is for")));
 }

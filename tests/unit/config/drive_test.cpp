@@ -29,7 +29,7 @@ emcy = { layout = "class-and-vendor40", error_register = false, error_field = fa
 error_control = { policy = "verify", guarding = true }
 setup = [{ object = "0x6060", type = "i8", value = 2 }, { object = "0x6007", type = "i16", value = -1 }]
 [drive.commands]
-writers = ["mqtt", "local"]
+writers = ["mqtt"]
 raw = true
 nmt_while_running = true
 deadline = "2s"
@@ -56,7 +56,7 @@ deadline = "2s"
   ASSERT_EQ(a.node.setup.size(), 2U);
   EXPECT_EQ(a.node.setup[0], (canopen::ObjectValue{{0x6060, 0}, canopen::DataType::i8, 2}));
   EXPECT_EQ(a.node.setup[1].raw, ~canopen::Raw{0});
-  EXPECT_EQ(a.commands, (Commands{{false, true, true}, true, true, seconds(2)}));
+  EXPECT_EQ(a.commands, (Commands{{false, true, false}, true, true, seconds(2)}));
   EXPECT_EQ(a.faults.emcy_texts.at(0x8611), (FaultText{"Lagging", Severity::warning}));
   EXPECT_EQ(a.faults.emcy_texts.at(0x3210).text, "DC link overvoltage");
 }
@@ -90,7 +90,8 @@ TEST(Drives, HaveNamesOfTheirOwnThatAreNoFixedTopics) {
 
 TEST(Drives, HaveCobIdsOfTheirOwn) {
   EXPECT_THAT(error_of(kBus + drive("a", 1) + drive("b", 2, "tpdo1 = { cob_id = 0x181 }\n")),
-              HasSubstr("drive \"b\": a PDO has a COB-ID of drive \"a\""));
+              HasSubstr("11:20: error: drive \"b\": tpdo1 has the COB-ID 0x0181 of tpdo1 of drive \"a\"; give one of "
+                        "them another cob_id"));
 }
 
 TEST(HeartbeatTimes, MustFitEachOther) {

@@ -23,7 +23,7 @@ TEST(TheDemo, RunsTheFourSystemsOnABusInsideTheProcess) {
   EXPECT_EQ(model.gateway.name, "demo");
   EXPECT_EQ(model.buses.at(0).interface, kVirtualInterface);
   EXPECT_EQ(model.modbus->listen, (std::vector<Endpoint>{{"127.0.0.1", 1502}}));
-  EXPECT_EQ(model.mqtt->broker, (Endpoint{"127.0.0.1", 1883}));
+  EXPECT_EQ(model.mqtt->brokers, (std::vector<Endpoint>{{"127.0.0.1", 1883}}));
   std::vector<std::string> profiles;
   for (const Drive& drive : model.drives) {
     profiles.push_back(drive.profile);

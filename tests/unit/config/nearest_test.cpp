@@ -1,4 +1,4 @@
-#include "config/nearest.h"
+#include "config/schema/nearest.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +17,16 @@ TEST(Nearest, FindsTheNameBehindATypingMistake) {
   EXPECT_EQ(nearest("heartbeat_timout", kNames), "heartbeat_timeout");
 }
 
-TEST(Nearest, AlwaysNamesOneAndNoneOfNone) {
-  EXPECT_FALSE(nearest("something else", kNames).empty());
+TEST(Nearest, NamesNoneThatIsNotNear) {
+  EXPECT_TRUE(nearest("something else", kNames).empty());
+  EXPECT_TRUE(nearest("foo", kNames).empty());
   EXPECT_TRUE(nearest("x", {}).empty());
-  EXPECT_FALSE(nearest(std::string(100'000, 'x'), kNames).empty());
+  EXPECT_TRUE(nearest(std::string(100'000, 'x'), kNames).empty());
+}
+
+TEST(Nearest, FindsANameThatBeginsLikeIt) {
+  EXPECT_EQ(nearest("node_identifier", kNames), "node");
+  EXPECT_EQ(nearest("heart", kNames), "heartbeat");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST(Profiles, HaveFindingsInTheirOwnFile) {
             "own.toml:4:8: error: profile \"own\": signals.status_word.type \"u17\" must be one of bool, u8, u16, u32, "
             "u64, i8, i16, i32, i64, f32, f64");
   EXPECT_EQ(error_of(drive("own"), "title = \"t\"\nx ="),
-            "own.toml:2:4: error: Error while parsing key-value pair: "
+            "own.toml:2:4: error: not TOML: key-value pair: "
             "encountered end-of-file");
   // What a drive says about itself has no place in a profile, and the other way round.
   EXPECT_THAT(error_of(drive("own"), "title = \"t\"\nnode = 5\n"), HasSubstr("unknown key \"node\""));
@@ -154,6 +154,23 @@ TEST(Presets, OfAnUnknownNameAreReported) {
   EXPECT_THAT(error_of(drive("cia402-velocity", "presets = [\"x\"]\n")), HasSubstr("has no presets"));
   EXPECT_THAT(error_of(drive("own", "presets = [\"known\", \"known\"]\nsettings = { 1 = \"speed\" }\n"), kSlots),
               HasSubstr("stands there twice"));
+}
+
+TEST(Layers, MaySpellOneNumberInTwoWays) {
+  const Model model = model_of(drive("cia402-velocity", "[drive.emcy_texts]\n34321 = \"Lagging\"\n"));
+  const FaultRules& faults = model.drives.at(0).faults;
+  EXPECT_EQ(faults.emcy_texts.at(0x8611).text, "Lagging");
+  EXPECT_EQ(faults.emcy_texts.at(0x3210).text, "DC link overvoltage");
+}
+
+TEST(Layers, GoByTheSchemaAndNotByNames) {
+  // A signal may be called like a key that is replaced as a whole.
+  const std::string own =
+      "title = \"t\"\n[signals.standard]\nobject = \"0x2000:01\"\ntype = \"u16\"\nscale = 0.1\naddress = 200\n";
+  const Model model = model_of(drive("own", "[drive.signals.standard]\nunit = \"V\"\n"), own);
+  const Signal& signal = signal_of(model.drives.at(0), "standard");
+  EXPECT_EQ(signal.unit, "V");
+  EXPECT_EQ(signal.scale, 0.1);
 }
 
 TEST(EmergencyTexts, FallBackToTheirClass) {

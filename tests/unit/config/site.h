@@ -7,9 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "config/drive/profile.h"
 #include "config/load.h"
-#include "config/load_site.h"
-#include "config/profile.h"
 
 // What the tests of the loader share: small sites as text, with the shipped profiles and one of the test's own.
 

@@ -114,13 +114,18 @@ TEST(ModbusServer, RefusesAddressesThatAreNone) {
 TEST(MqttClient, TakesItsKeysAndThePasswordFile) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "mqtt-password";
   std::ofstream(file) << "secret\n";
-  const Model model = model_of(kBus + kDrive +
-                               "[mqtt]\nbrokers = [\"mqtt://broker.example:1884\"]\nbase = \"a/b\"\n"
-                               "qos = 0\nstate = false\nsignals = false\nmin_interval = \"0s\"\nmax_interval = "
-                               "\"10s\"\nusername = \"u\"\npassword_file = \"" +
-                               file.string() + "\"\n");
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  const std::string site = kBus + kDrive +
+                           "[mqtt]\nbrokers = [\"mqtt://broker.example:1884\"]\nbase = \"a/b\"\n"
+                           "qos = 0\nstate = false\nsignals = false\nmin_interval = \"0s\"\nmax_interval = "
+                           "\"10s\"\nusername = \"u\"\npassword_file = \"" +
+                           file.string() + "\"\n";
+  EXPECT_EQ(model_of(site).mqtt.value_or(Mqtt{}).password, "") << "no secret is read unless somebody asks for it";
+  const LoadOptions with_secrets{
+      .file = "gateway.toml", .profile_dirs = {kProfiles}, .host_name = "host", .with_secrets = true};
+  const Model model = load_text(site, with_secrets).model.value_or(Model{});
   ASSERT_TRUE(model.mqtt.has_value());
-  EXPECT_EQ(model.mqtt->broker, (Endpoint{"broker.example", 1884}));
+  EXPECT_EQ(model.mqtt->brokers, (std::vector<Endpoint>{{"broker.example", 1884}}));
   EXPECT_EQ(model.mqtt->base, "a/b");
   EXPECT_EQ(model.mqtt->qos, 0);
   EXPECT_FALSE(model.mqtt->state);
@@ -130,11 +135,28 @@ TEST(MqttClient, TakesItsKeysAndThePasswordFile) {
   EXPECT_EQ(model.mqtt->password, "secret");
 }
 
+TEST(MqttClient, LooksAtThePasswordFileWithoutReadingIt) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "looked-at-password";
+  const std::string site = kBus + kDrive + "[mqtt]\nusername = \"u\"\npassword_file = \"" + file.string() + "\"\n";
+  std::ofstream(file).flush();
+  EXPECT_THAT(error_of(site), HasSubstr("is empty; its first line is the password"));
+  std::ofstream(file) << "\nsecret\n";
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::others_read);
+  const Loaded loaded = load_site(site);
+  EXPECT_TRUE(loaded.model.has_value()) << "what stands in it is not looked at";
+  EXPECT_THAT(lines(loaded.findings), HasSubstr("9:17: warning: mqtt.password_file"));
+  EXPECT_THAT(lines(loaded.findings), HasSubstr("can be read by everybody on this machine"));
+  const LoadOptions with_secrets{
+      .file = "gateway.toml", .profile_dirs = {kProfiles}, .host_name = "host", .with_secrets = true};
+  EXPECT_THAT(lines(load_text(site, with_secrets).findings), HasSubstr("begins with an empty line"));
+}
+
 TEST(MqttClient, RefusesWhatCannotWork) {
   const std::string site = kBus + kDrive + "[mqtt]\n";
   EXPECT_THAT(error_of(site + "username = \"u\"\npassword_file = \"/nowhere/p\"\n"),
               HasSubstr("9:17: error: mqtt.password_file \"/nowhere/p\" cannot be read: no such file"));
-  EXPECT_THAT(error_of(site + "username = \"u\"\npassword_file = \"/dev/zero\"\n"), HasSubstr("not a file"));
+  EXPECT_THAT(error_of(site + "username = \"u\"\npassword_file = \"/dev/zero\"\n"),
+              HasSubstr("not a file but a device"));
   EXPECT_THAT(lines(load_site(site + "password_file = \"/nowhere/p\"\n").findings), HasSubstr("needs username"));
   EXPECT_THAT(error_of(site + "brokers = [\"tcp://a:1883\"]\n"), HasSubstr("must be mqtt://HOST:PORT"));
   EXPECT_THAT(error_of(site + "brokers = [\"mqtt://u:p@a:1883\"]\n"), HasSubstr("must be mqtt://HOST:PORT"));

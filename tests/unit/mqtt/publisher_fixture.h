@@ -28,7 +28,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
 
   static PublisherSettings settings(std::uint16_t port) {
     config::Mqtt mqtt;
-    mqtt.broker = {"127.0.0.1", port};
+    mqtt.brokers = {{"127.0.0.1", port}};
     PublisherSettings made = publisher_settings(mqtt, {"line3"});
     made.first_pause = std::chrono::milliseconds(50);
     made.longest_pause = std::chrono::milliseconds(200);

@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "config/drive/builder.h"
+
+namespace config {
+namespace {
+
+struct FixedPlace {
+  std::string_view name;
+  std::uint16_t address;
+};
+
+// The same in every profile, so that one screen fits all drives.
+constexpr std::array<FixedPlace, 17> kRegisters{{{"status_word", 0},
+                                                 {"fault_code", 1},
+                                                 {"output_frequency", 2},
+                                                 {"output_current", 3},
+                                                 {"motor_speed", 4},
+                                                 {"output_torque", 5},
+                                                 {"output_power", 6},
+                                                 {"output_voltage", 7},
+                                                 {"input_voltage", 8},
+                                                 {"dc_bus_voltage", 9},
+                                                 {"module_temperature", 10},
+                                                 {"actual_velocity", 11},
+                                                 {"velocity_demand", 12},
+                                                 {"control_command", 100},
+                                                 {"frequency_command", 101},
+                                                 {"torque_command", 102},
+                                                 {"target_velocity", 103}}};
+constexpr std::array<FixedPlace, 5> kBits{{{"running", 0}, {"reverse", 1}, {"fault", 2}, {"warning", 3}, {"ready", 4}}};
+
+// Below stand the fixed addresses, from 1000 the diagnostics of the drive.
+constexpr unsigned kFirstFree = 200;
+constexpr unsigned kDiagnostics = 1000;
+constexpr unsigned kPastDiagnostics = 1100;
+constexpr unsigned kPastLast = 65536;
+
+std::optional<std::uint16_t> fixed_address(const Signal& signal, ModbusKind kind) {
+  const auto find = [&signal](const auto& places) -> std::optional<std::uint16_t> {
+    const auto found =
+        std::find_if(places.begin(), places.end(), [&](const FixedPlace& p) { return p.name == signal.name; });
+    return found == places.end() ? std::nullopt : std::optional(found->address);
+  };
+  return kind == ModbusKind::bit ? find(kBits) : find(kRegisters);
+}
+
+bool overlaps(const ModbusPlace& a, const ModbusPlace& b) {
+  return a.kind == b.kind && a.address < b.address + b.count && b.address < a.address + a.count;
+}
+
+class Placer {
+ public:
+  explicit Placer(DriveDraft& draft) : draft_(draft) {}
+
+  void run() {
+    for (SignalDraft& signal : draft_.signals) {
+      place(signal);
+    }
+    for (const SignalDraft* const signal : missing_) {
+      error(*signal, "needs an address for Modbus; " + free_for(signal->signal.modbus) + " is free");
+    }
+  }
+
+ private:
+  void error(const SignalDraft& signal, const std::string& text) {
+    const bool addressed = signal.said->table->find("address") != nullptr;
+    draft_.error(place_of(*signal.said, addressed ? "address" : "as"), "signal \"" + signal.signal.name + "\" " + text);
+  }
+
+  static ModbusPlace shape_of(const SignalDraft& signal) {
+    const canopen::DataType type = signal.signal.type;
+    if (type == canopen::DataType::boolean) {
+      return {.kind = ModbusKind::bit, .count = 1};
+    }
+    if (signal.said->keys.as_float) {
+      return {.kind = ModbusKind::holding, .count = 2, .as_float = true};
+    }
+    const unsigned registers = (canopen::byte_length(type) + 1) / 2;
+    return {.kind = ModbusKind::holding, .count = static_cast<std::uint16_t>(registers)};
+  }
+
+  /// The first address from 200 on that nothing placed so far takes.
+  std::string free_for(ModbusPlace place) {
+    for (unsigned address = kFirstFree; address + place.count <= kPastLast; address += place.count) {
+      place.address = static_cast<std::uint16_t>(address);
+      const bool diagnostics = address < kPastDiagnostics && address + place.count > kDiagnostics;
+      if (!diagnostics && std::none_of(placed_.begin(), placed_.end(),
+                                       [&](const auto* p) { return overlaps(p->signal.modbus, place); })) {
+        return std::to_string(address);
+      }
+    }
+    return "none";
+  }
+
+  void place(SignalDraft& signal) {
+    ModbusPlace& place = signal.signal.modbus;
+    place = shape_of(signal);
+    if (place.kind == ModbusKind::bit && signal.said->keys.as_float) {
+      error(signal, "is a boolean and takes no as = \"float\"");
+    }
+    const auto fixed = fixed_address(signal.signal, place.kind);
+    const auto stated = signal.said->keys.address;
+    if (!stated.has_value() && !fixed.has_value()) {
+      const bool on_modbus = draft_.drive.unit.has_value();
+      if (on_modbus && signal.said->table->find("address") == nullptr) {
+        missing_.push_back(&signal);
+      }
+      // Without a unit an address is nobody's need.
+      if (!on_modbus) {
+        place = {};
+      }
+      return;
+    }
+    place.address = stated.has_value() ? static_cast<std::uint16_t>(*stated) : *fixed;
+    check(signal, fixed);
+    const auto same =
+        std::find_if(placed_.begin(), placed_.end(), [&](const auto* p) { return overlaps(p->signal.modbus, place); });
+    if (same != placed_.end()) {
+      error(signal, "overlaps \"" + (*same)->signal.name + "\" at Modbus address " +
+                        std::to_string((*same)->signal.modbus.address) + "; " + free_for(place) + " is free");
+      return;
+    }
+    placed_.push_back(&signal);
+  }
+
+  void check(const SignalDraft& signal, std::optional<std::uint16_t> fixed) {
+    const ModbusPlace& place = signal.signal.modbus;
+    const unsigned past = place.address + unsigned{place.count};
+    const std::string at = "Modbus address " + std::to_string(place.address);
+    if (place.address < kFirstFree && (place.address != fixed || place.count > 1)) {
+      error(signal, place.address == fixed
+                        ? "takes more than one register and cannot stay at its fixed " + at +
+                              "; give it an even address from 200 on"
+                        : "cannot have " + at + ": 0..199 have the same meaning for every drive; use 200..999 or " +
+                              "1100..65535");
+    } else if (place.address < kPastDiagnostics && past > kDiagnostics) {
+      error(signal, "cannot have " + at + ": 1000..1099 are the diagnostics; use 200..999 or 1100..65535");
+    } else if (past > kPastLast) {
+      error(signal, "reaches beyond Modbus address 65535");
+    } else if (place.count > 1 && place.address % 2 != 0) {
+      error(signal, "takes " + std::to_string(place.count) + " registers and needs an even address, not " +
+                        std::to_string(place.address));
+    }
+  }
+
+  DriveDraft& draft_;
+  std::vector<const SignalDraft*> placed_;
+  std::vector<const SignalDraft*> missing_;
+};
+
+}  // namespace
+
+void place_signals(DriveDraft& draft) {
+  Placer(draft).run();
+}
+
+}  // namespace config

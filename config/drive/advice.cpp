@@ -1,0 +1,150 @@
+#include <algorithm>
+
+#include "config/drive/builder.h"
+#include "config/text.h"
+#include "config/toml/document.h"
+
+namespace config {
+namespace {
+
+using canopen::Duration;
+
+/// Where a key of `[drive.commands]` stands; the drive where it is left out.
+Place command_place(const DriveDraft& draft, std::string_view key) {
+  const Node* const commands = read_table(draft.site, "commands");
+  const bool stated = commands != nullptr && commands->find(key) != nullptr;
+  return stated ? place_of(*commands, key) : draft.site.place;
+}
+
+/// Why nobody that `writers` names can command the drive in one of their ways; empty where he can.
+std::string way_is_off(const DriveDraft& draft, std::string_view way) {
+  if (way == "mqtt") {
+    return draft.model.mqtt.has_value() ? "" : "there is no [mqtt]";
+  }
+  if (!draft.model.modbus.has_value()) {
+    return "there is no [modbus]";
+  }
+  if (!draft.drive.unit.has_value()) {
+    return "the drive has unit = \"none\"";
+  }
+  return draft.model.modbus->write_from.empty() ? "modbus.write_from is empty" : "";
+}
+
+void advise_on_writers(const DriveDraft& draft) {
+  const Node* const commands = read_table(draft.site, "commands");
+  for (const Node* const writer : commands == nullptr ? std::vector<const Node*>() : read_texts(*commands, "writers")) {
+    if (const std::string reason = way_is_off(draft, writer->text); !reason.empty()) {
+      draft.warning(writer->place, "commands.writers names " + writer->text + ", but " + reason +
+                                       ", so nobody can command the drive that way");
+    }
+  }
+}
+
+/// The drive notices by itself when commands stop coming: by our heartbeat, or by the time between RPDOs where the
+/// profile says that it has that timer.
+bool is_supervised(const DriveDraft& draft) {
+  return draft.drive.node.error_control.supervise_gateway != Duration::zero() ||
+         std::any_of(draft.rpdos.begin(), draft.rpdos.end(), [](const PdoDraft& rpdo) {
+           return rpdo.said->keys.supervised && rpdo.settings.event_timer.value_or(0) != 0;
+         });
+}
+
+void advise_on_supervision(const DriveDraft& draft) {
+  if (is_supervised(draft)) {
+    return;
+  }
+  std::string text =
+      "takes commands, but nothing stops it when writer or gateway is gone; set supervise_gateway where the drive can, "
+      "and its own communication timeout where it cannot";
+  for (const PdoDraft& rpdo : draft.rpdos) {
+    if (rpdo.settings.event_timer.value_or(0) != 0) {
+      text += ". The event_timer of " + rpdo.said->name + " counts only with " + rpdo.said->name +
+              ".supervised = true: say so where the drive is known to have that timer";
+    }
+  }
+  draft.warning(draft.site.place, text);
+}
+
+void advise_on_setpoints(const DriveDraft& draft) {
+  for (const SignalDraft& each : draft.signals) {
+    const Signal& signal = each.signal;
+    const bool setpoint = writable(signal.access) && signal.name != "control_command" && signal.values.empty() &&
+                          signal.type != canopen::DataType::boolean;
+    if (setpoint && !signal.max.has_value()) {
+      draft.warning(draft.site.place, "set-point \"" + signal.name + "\" has no max; whatever its type holds may be " +
+                                          "commanded. Write [drive.signals." + signal.name + "] max = …");
+    }
+  }
+}
+
+void advise_on_rpdos(const DriveDraft& draft) {
+  for (const canopen::PdoSettings& rpdo : draft.drive.node.rpdos) {
+    const auto unnamed = std::find_if(rpdo.mapping.begin(), rpdo.mapping.end(),
+                                      [](const auto& field) { return field.use == canopen::FieldUse::unnamed; });
+    if (unnamed != rpdo.mapping.end()) {
+      draft.warning(draft.site.place, "rpdo" + std::to_string(rpdo.number) +
+                                          " is never sent, because nothing says what its field " +
+                                          canopen::to_string(unnamed->object) +
+                                          " is for; commands go by SDO. Name it, or declare it unused");
+    }
+  }
+}
+
+/// A command waits for the drive's transfer that is on its way. The two defaults are known to leave it time enough.
+void advise_on_deadline(const DriveDraft& draft) {
+  const Duration deadline = draft.drive.commands.deadline;
+  const Duration timeout = draft.drive.node.sdo.timeout;
+  if (deadline >= 2 * timeout || (deadline == Commands().deadline && timeout == canopen::SdoSettings().timeout)) {
+    return;
+  }
+  draft.warning(command_place(draft, "deadline"),
+                "commands.deadline (" + to_text(deadline) + ") is below twice sdo.timeout (" + to_text(timeout) +
+                    "), so one read without an answer can use up a command's time; make one longer or the other "
+                    "shorter");
+}
+
+/// What the profile does not know for sure, in one line.
+void advise_on_unconfirmed(const DriveDraft& draft) {
+  std::string names;
+  const auto add = [&names](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  for (const auto* const pdos : {&draft.tpdos, &draft.rpdos}) {
+    for (const PdoDraft& pdo : *pdos) {
+      const auto& used = pdos == &draft.tpdos ? draft.drive.node.tpdos : draft.drive.node.rpdos;
+      if (pdo.said->keys.unconfirmed && std::any_of(used.begin(), used.end(), [&pdo](const auto& each) {
+            return each.number == pdo.settings.number;
+          })) {
+        add(pdo.said->name);
+      }
+    }
+  }
+  for (const SignalDraft& signal : draft.signals) {
+    if (signal.said->keys.unconfirmed && !draft.told_unconfirmed.contains(signal.said->name)) {
+      add(signal.said->name);
+    }
+  }
+  if (!names.empty()) {
+    draft.warning(draft.site.place, "not established for this drive: " + names +
+                                        ". Compare them with what it shows itself; unconfirmed = false ends this "
+                                        "warning");
+  }
+}
+
+}  // namespace
+
+void advise(DriveDraft& draft) {
+  if (draft.keys.on_stale == OnStale::zero) {
+    draft.warning(place_of(draft.site, "on_stale"), "on_stale = \"zero\" shows a lost drive as one that stands still");
+  }
+  advise_on_unconfirmed(draft);
+  const Writers& writers = draft.drive.commands.writers;
+  if (!writers.modbus && !writers.mqtt) {
+    return;
+  }
+  advise_on_writers(draft);
+  advise_on_supervision(draft);
+  advise_on_deadline(draft);
+  advise_on_setpoints(draft);
+  advise_on_rpdos(draft);
+}
+
+}  // namespace config

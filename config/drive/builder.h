@@ -1,0 +1,86 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/drive/drive_keys.h"
+#include "config/drive/profile.h"
+#include "config/model.h"
+#include "config/toml/document.h"
+#include "config/toml/report.h"
+
+// One drive while it is put together, and the steps in their order.
+
+namespace config {
+
+struct PdoDraft {
+  const Said<PdoKeys>* said = nullptr;
+  canopen::PdoSettings settings;
+  std::vector<canopen::ObjectAddress> unused{};  ///< RPDO: fields that the site declares unused.
+};
+
+struct SignalDraft {
+  const Said<SignalKeys>* said = nullptr;
+  Signal signal;
+
+  [[nodiscard]] bool derived() const noexcept { return said->keys.from.has_value(); }
+};
+
+struct DriveDraft {
+  const Node& site;    ///< The `[[drive]]` table.
+  const Model& model;  ///< What the site says beside its drives.
+  Report& report;
+  std::string where;  ///< Begins its findings: `drive "pump1"`.
+  DriveKeys keys{};
+  Bus bus{};           ///< Its bus, or one with defaults where that is not known.
+  Node merged{};       ///< Profile, presets, assigned objects and site laid over each other.
+  OverlayKeys said{};  ///< What stands there.
+  Drive drive{};
+  std::vector<PdoDraft> tpdos{};
+  std::vector<PdoDraft> rpdos{};
+  std::vector<SignalDraft> signals{};
+  std::vector<canopen::ObjectAddress> unused{};  ///< Assigned objects that the site calls "unused".
+  std::set<std::string> told_unconfirmed{};      ///< Signals of presets and slots whose warning says so already.
+
+  void error(Place place, const std::string& text) const { report.error(place, where + ": " + text); }
+  void warning(Place place, const std::string& text) const { report.warning(place, where + ": " + text); }
+};
+
+/// Where a key of a table stands; the table's name where it has none.
+template <class S>
+[[nodiscard]] Place place_of(const Said<S>& said, std::string_view key) {
+  const Node* const value = said.table->find(key);
+  return value == nullptr ? said.place : value->place;
+}
+
+/// CiA 301 §7.4.7: data types stand for dummy entries of a mapping.
+[[nodiscard]] bool is_dummy(canopen::ObjectAddress object) noexcept;
+
+/// Puts one drive together; what is wrong with it goes to the report. `number` names it where it has no name.
+[[nodiscard]] Drive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library,
+                                Report& report);
+
+// ---- The steps, in this order.
+
+/// Name, node, unit, commands and times: what only the site says.
+void take_own_keys(DriveDraft& draft);
+/// Lays presets, assigned objects and the site over the profile.
+void compose(DriveDraft& draft, const Profile& profile);
+/// Heartbeat, SDO, EMCY, identity, setup objects and fault texts.
+void take_node_settings(DriveDraft& draft);
+/// PDO communication and mapping.
+void take_pdos(DriveDraft& draft);
+/// Signals by themselves.
+void take_signals(DriveDraft& draft);
+/// Where each signal's value comes from; settles who fills the fields of RPDOs, and drops PDOs that serve no signal.
+void connect_pdos(DriveDraft& draft);
+/// Modbus addresses: fixed ones, ranges, overlaps.
+void place_signals(DriveDraft& draft);
+/// Moves the signals into the drive in the order of their addresses, words before what is derived from them.
+void order_signals(DriveDraft& draft);
+/// What is allowed but should be thought about.
+void advise(DriveDraft& draft);
+
+}  // namespace config

@@ -1,0 +1,117 @@
+#include "config/drive/drive_keys.h"
+
+#include <chrono>
+
+#include "config/site/site_keys.h"
+
+namespace config {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+enum class Way : std::uint8_t { modbus, mqtt, local };
+
+std::optional<Writers> read_writers(const Node& node, const Complaint& complain) {
+  static const Form<Way> way_form = choice<Way>({{"modbus", Way::modbus}, {"mqtt", Way::mqtt}, {"local", Way::local}});
+  if (!expect(node, NodeKind::list, complain)) {
+    return std::nullopt;
+  }
+  Writers writers;
+  bool good = true;
+  for (const Node& item : node.items) {
+    const auto way = way_form.read(item, complain);
+    if (way == Way::local) {
+      complain.value(item.place, "\"local\" is not supported by this version");
+    }
+    good = good && way.has_value() && way != Way::local;
+    writers.modbus |= way == Way::modbus;
+    writers.mqtt |= way == Way::mqtt;
+  }
+  return good ? std::optional(writers) : std::nullopt;
+}
+
+Form<Writers> writers() {
+  return {.type = "list of `modbus`, `mqtt`, `local`", .read = read_writers, .show = [](const Writers&) {
+            return std::string("[]");
+          }};
+}
+
+const SectionOf<Commands>& commands_section() {
+  using Field = KeyOf<Commands>;
+  static const SectionOf<Commands> section(
+      "[drive.commands]",
+      {Field("writers", &Commands::writers, writers(),
+             "Who may command: `modbus`, `mqtt`, `local` (the command line, which is not supported by this version). "
+             "Nobody else may write, send NMT commands or write raw objects.")
+           .note("nobody"),
+       Field("raw", &Commands::raw, boolean(), "`true`: writers may write objects that are no writable signal."),
+       Field("nmt_while_running", &Commands::nmt_while_running, boolean(),
+             "`true`: NMT stop, pre-operational and resets also while the motor runs."),
+       Field("deadline", &Commands::deadline, duration({.min = milliseconds(10), .max = minutes(1)}),
+             "Of one command, answer included."),
+       Field::later("lease", "duration 0s..24h", "0s",
+                    "A writer keeps the drive to itself until silent for this long."),
+       Field::later("feedback", "duration", "0s",
+                    "How long after a run command the motor may not be running yet before an alarm is raised."),
+       Field::later("timeout", "duration 0s..24h", "0s", "Silence of the writer after which `on_timeout` acts."),
+       Field::later("on_timeout", "`hold`, `cease`, `values`", "hold", "What a timeout does."),
+       Field::later("values", "table", "", "What `on_timeout = \"values\"` writes.")});
+  return section;
+}
+
+KeyOf<DriveKeys> slots_key(std::string_view name, std::string_view meaning) {
+  const auto form = numbered_texts(1, kLastSlot);
+  return KeyOf<DriveKeys>::checked(
+             name, form.type, Layering::replace, nullptr,
+             [read = form.read](const Node& node, const Complaint& complain) { (void)read(node, complain); }, meaning)
+      .unset("the profile's");
+}
+
+}  // namespace
+
+const SectionOf<DriveKeys>& drive_section() {
+  using Field = KeyOf<DriveKeys>;
+  using canopen::ErrorControlSettings;
+  const auto time = [](auto member) { return [member](auto& said) -> auto& { return said.error_control.*member; }; };
+  static const SectionOf<DriveKeys> section(
+      "[[drive]]",
+      {Field("name", &DriveKeys::name, name(), "Names the drive in topics and findings.").required(),
+       Field("bus", &DriveKeys::bus, text(), "Name of its bus; needed where there are several.").unset("the only bus"),
+       Field("node", &DriveKeys::node, integer(1, 127), "Node id.").required(),
+       Field("profile", &DriveKeys::profile, name(), "What kind of drive it is.").required("eds"),
+       Field::later("eds", "string", "", "A drive from an EDS file."),
+       Field::later("enabled", "true or false", "true", "`false`: out of service; no traffic, no alarms."),
+       Field("unit", &DriveKeys::unit, unit(), "Modbus unit; `\"none\"`: not on Modbus.").unset("the node id"),
+       Field::later("flat", "integer", "none", "Its base address on the flat unit of Modbus."),
+       Field("heartbeat", time(&ErrorControlSettings::heartbeat),
+             duration({.min = milliseconds(1),
+                       .max = kLongest16,
+                       .whole_ms = true,
+                       .without = "; a drive without heartbeat is not supported by this version"}),
+             "Heartbeat period written to the drive (0x1017), whole milliseconds."),
+       Field("heartbeat_timeout", time(&ErrorControlSettings::heartbeat_timeout),
+             duration({.min = milliseconds(2), .max = minutes(10)}),
+             "Silence that means the drive is lost; longer than `heartbeat`."),
+       Field::later("guarding", "duration", "0s", "Period of node guarding, for drives without heartbeat."),
+       Field("supervise_gateway", time(&ErrorControlSettings::supervise_gateway),
+             duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
+             "The drive trips when the gateway's heartbeat is missing this long (0x1016); `0s`: it does not."),
+       Field::later("restart", "true or false", "false",
+                    "`true`: a drive that left operational by itself is configured and started again."),
+       Field("on_stale", &DriveKeys::on_stale, on_stale_form(), "The same for this drive alone.")
+           .unset("as in [modbus]"),
+       Field("reconfigure_running", &DriveKeys::reconfigure_running, boolean(),
+             "`true`: a drive found operational with other settings is configured all the same."),
+       Field("presets", &DriveKeys::presets, list("list of strings", text()), "Parts of the profile to switch on."),
+       slots_key("settings",
+                 "What the freely assigned set-points of the drive mean: `{ 1 = \"frequency_command\" }`; `\"unused\"` "
+                 "sends 0."),
+       slots_key("returns", "What the freely assigned returned values of the drive mean."),
+       table_key<DriveKeys>("commands", &DriveKeys::commands, commands_section(), "Who may command it.")},
+      &overlay_section());
+  return section;
+}
+
+}  // namespace config

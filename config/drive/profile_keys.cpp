@@ -1,0 +1,67 @@
+#include "config/drive/drive_keys.h"
+#include "config/text.h"
+
+namespace config {
+namespace {
+
+struct Slots {};
+
+const SectionOf<Slots>& slots_section() {
+  const auto slot = [](std::string_view name, std::string_view meaning) {
+    return KeyOf<Slots>::checked(
+        name, "table", Layering::table, &slot_section(),
+        [](const Node& node, const Complaint& complain) { check_table(node, slot_section(), complain); }, meaning);
+  };
+  static const SectionOf<Slots> section(
+      "slots", {slot("settings", "Behind `settings` of a drive."), slot("returns", "Behind `returns` of a drive.")});
+  return section;
+}
+
+}  // namespace
+
+const SectionOf<SlotKeys>& slot_section() {
+  using Field = KeyOf<SlotKeys>;
+  const auto standard = numbered_texts(1, kLastSlot);
+  static const SectionOf<SlotKeys> section(
+      "slots.settings, slots.returns",
+      {Field("objects", &SlotKeys::objects, list("list of strings", object()),
+             "The freely assigned objects, from number 1.")
+           .required(),
+       Field::checked(
+           "standard", standard.type, Layering::replace, nullptr,
+           [read = standard.read](const Node& node, const Complaint& complain) { (void)read(node, complain); },
+           "What they mean where the site states nothing."),
+       Field("unconfirmed", &SlotKeys::unconfirmed, text(), "Why `check` warns until the site states them."),
+       Field::checked(
+           "meanings", "tables by name", Layering::by_name, &signal_section(),
+           [](const Node& node, const Complaint& complain) {
+             check_named(node, signal_section(), is_signal_name,
+                         "lower case letters, digits and '_', beginning with a letter", complain);
+           },
+           "The signals to choose from, without `object`.")
+           .required()});
+  return section;
+}
+
+const SectionOf<ProfileKeys>& profile_section() {
+  using Field = KeyOf<ProfileKeys>;
+  static const SectionOf<ProfileKeys> section(
+      "A profile",
+      {Field("title", &ProfileKeys::title, text(), "What drive this is.").required(),
+       Field("extends", &ProfileKeys::extends, name(), "A profile that this one is laid over."),
+       Field("partial", &ProfileKeys::partial, boolean(), "`true`: only to be extended, no drive by itself."),
+       Field::checked(
+           "presets", "tables by name", Layering::by_name, &preset_section(),
+           [](const Node& node, const Complaint& complain) {
+             check_named(node, preset_section(), is_name, "1 to 32 letters, digits, '_' or '-'", complain);
+           },
+           "What a drive can switch on by name."),
+       Field::checked(
+           "slots", "table", Layering::table, &slots_section(),
+           [](const Node& node, const Complaint& complain) { check_table(node, slots_section(), complain); },
+           "Freely assigned objects.")},
+      &overlay_section());
+  return section;
+}
+
+}  // namespace config

@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "config/drive/builder.h"
+#include "config/schema/complaint.h"
+#include "config/schema/nearest.h"
+#include "config/text.h"
+#include "config/toml/document.h"
+
+namespace config {
+namespace {
+
+// Fixed topics beside the signals of a drive, and the key of a command's identifier.
+constexpr std::array<std::string_view, 10> kReserved{"state", "status",  "alarm",   "nmt",   "sdo",
+                                                     "set",   "control", "history", "drift", "id"};
+
+/// As many decimals as show every step: 0.01 has 2, 0.25 has 2, 10 has none.
+unsigned decimals_of(double scale) {
+  constexpr unsigned kMost = 9;
+  double steps = scale;
+  for (unsigned decimals = 0; decimals < kMost; ++decimals) {
+    if (std::abs(steps - std::round(steps)) <= 1e-9 * std::max(1.0, std::abs(steps)) && std::round(steps) != 0.0) {
+      return decimals;
+    }
+    steps *= 10.0;
+  }
+  return kMost;
+}
+
+class SignalTaker {
+ public:
+  SignalTaker(DriveDraft& draft, const Said<SignalKeys>& said) : draft_(draft), said_(said), keys_(said.keys) {
+    signal_.name = said.name;
+  }
+
+  /// Nothing where the signal is not enabled, or cannot be understood.
+  std::optional<SignalDraft> take() {
+    if (!keys_.enabled) {
+      return std::nullopt;
+    }
+    if (std::find(kReserved.begin(), kReserved.end(), said_.name) != kReserved.end()) {
+      error("", "cannot be called that: the name is that of a fixed topic");
+    }
+    if (!(states("from") ? take_derived() : take_word())) {
+      return std::nullopt;
+    }
+    signal_.unconfirmed = keys_.unconfirmed;
+    return SignalDraft{.said = &said_, .signal = std::move(signal_)};
+  }
+
+ private:
+  [[nodiscard]] bool states(std::string_view key) const { return said_.table->find(key) != nullptr; }
+  void error(std::string_view key, const std::string& text) {
+    draft_.error(place_of(said_, key), "signal \"" + said_.name + "\" " + text);
+  }
+
+  bool take_derived() {
+    constexpr std::array kWithout{"object", "type",      "scale",          "source", "min", "max",
+                                  "values", "momentary", "momentary_mask", "as",     "poll"};
+    for (const auto* const key : kWithout) {
+      if (states(key)) {
+        error(key, std::string(key) + " has no meaning beside from");
+      }
+    }
+    if (keys_.access != Access::read) {
+      error("access", "is read out of another one and cannot be written");
+    }
+    if (keys_.negative == states("mask")) {
+      error("from", "needs either mask or negative = true");
+      return false;
+    }
+    Derived derived;
+    derived.mask = static_cast<std::uint64_t>(keys_.mask.value_or(0));
+    derived.negative = keys_.negative;
+    for (const std::int64_t value : keys_.equals) {
+      derived.values.push_back(static_cast<std::uint64_t>(value));
+      if ((derived.values.back() & ~derived.mask) != 0) {
+        error("equals", "can never equal " + to_hex(derived.values.back()) + " under its mask");
+      }
+    }
+    if (derived.values.empty() && !derived.negative) {
+      derived.values.push_back(derived.mask);
+    }
+    signal_.type = canopen::DataType::boolean;
+    signal_.derived = std::move(derived);
+    return keys_.from.has_value();
+  }
+
+  bool take_word() {
+    if (!keys_.object.has_value() || !keys_.type.has_value()) {
+      if (!states("object") || !states("type")) {
+        explain_unknown();
+      }
+      return false;
+    }
+    signal_.object = *keys_.object;
+    signal_.type = *keys_.type;
+    signal_.unit = keys_.unit;
+    signal_.access = keys_.access;
+    signal_.poll = keys_.poll;
+    signal_.publish_mask = static_cast<std::uint64_t>(keys_.publish_mask.value_or(-1));
+    take_scale();
+    take_values();
+    take_momentary();
+    take_limits();
+    return true;
+  }
+
+  /// A name that profile and presets do not have is mostly a typing mistake.
+  void explain_unknown() {
+    std::vector<std::string_view> names;
+    for (const Said<SignalKeys>& other : draft_.said.signals) {
+      if (other.keys.object.has_value() || other.keys.from.has_value()) {
+        names.emplace_back(other.name);
+      }
+    }
+    const auto near = nearest(said_.name, names);
+    draft_.error(said_.place, "signal \"" + said_.name + "\" is not in profile \"" + draft_.drive.profile + "\"" +
+                                  (near.empty() ? "" : ", where " + in_quotes(near) + " is nearest") +
+                                  "; a signal of your own needs object and type");
+  }
+
+  void take_scale() {
+    signal_.scale = keys_.scale;
+    if (!(signal_.scale >= 1e-9 && signal_.scale <= 1e9)) {
+      error("scale", "has the scale " + to_text(signal_.scale) + "; it must be positive, 0.000000001..1000000000");
+      signal_.scale = 1.0;
+    }
+    signal_.decimals = decimals_of(signal_.scale);
+    signal_.deadband = keys_.deadband;
+    if (signal_.deadband < 0.0) {
+      error("deadband", "has a negative deadband");
+    }
+  }
+
+  /// A raw value as the device holds it.
+  [[nodiscard]] bool fits(std::int64_t value) const {
+    const auto raw = static_cast<canopen::Raw>(value);
+    return canopen::normalise(signal_.type, raw) == raw && (canopen::is_signed(signal_.type) || value >= 0);
+  }
+  [[nodiscard]] std::string misfit() const {
+    return ", which does not fit " + std::string(canopen::name_of(signal_.type));
+  }
+
+  void take_values() {
+    signal_.values = keys_.values;
+    const Node* const stated = said_.table->find("values");
+    if (keys_.values.empty() || stated == nullptr) {
+      return;
+    }
+    std::set<std::string> names;
+    for (const auto& [number, entry] : read_numbered(*stated)) {
+      const std::string label = "signal \"" + said_.name + "\" ";
+      if (canopen::is_real(signal_.type)) {
+        draft_.error(entry->key_place, label + "is a real number and takes no values");
+      } else if (!fits(number)) {
+        draft_.error(entry->key_place, label + "names " + entry->key + misfit());
+      } else if (!names.insert(entry->value.text).second) {
+        draft_.error(entry->value.place, label + "calls two values \"" + entry->value.text + "\"");
+      }
+    }
+  }
+
+  void take_momentary() {
+    for (const std::int64_t value : keys_.momentary) {
+      if (!fits(value)) {
+        error("momentary", "has the momentary value " + std::to_string(value) + misfit());
+      }
+      signal_.momentary.push_back(static_cast<canopen::Raw>(value));
+    }
+    signal_.momentary_mask = static_cast<std::uint64_t>(keys_.momentary_mask);
+    if (!writable(signal_.access) && (!signal_.momentary.empty() || signal_.momentary_mask != 0)) {
+      error("momentary", "cannot be written, so nothing of it is momentary");
+    }
+  }
+
+  void take_limits() {
+    signal_.min = keys_.min;
+    signal_.max = keys_.max;
+    const auto* const key = signal_.max.has_value() ? "max" : "min";
+    if (!signal_.min.has_value() && !signal_.max.has_value()) {
+      return;
+    }
+    if (!writable(signal_.access)) {
+      error(key, "cannot be written; min and max are limits of what may be commanded");
+    }
+    if (signal_.min.has_value() && signal_.max.has_value() && *signal_.min > *signal_.max) {
+      error("min", "has min " + to_text(*signal_.min) + " above max " + to_text(*signal_.max));
+    }
+    for (const auto* const limit : {"min", "max"}) {
+      const auto& value = limit == std::string_view("min") ? signal_.min : signal_.max;
+      if (value.has_value() && !canopen::from_number(signal_.type, *value / signal_.scale).has_value()) {
+        error(limit, "has a limit of " + to_text(*value) + ", which " + std::string(canopen::name_of(signal_.type)) +
+                         " with the scale " + to_text(signal_.scale) + " cannot hold");
+      }
+    }
+  }
+
+  DriveDraft& draft_;
+  const Said<SignalKeys>& said_;
+  const SignalKeys& keys_;
+  Signal signal_;
+};
+
+/// In state messages the number of an enumerated signal stands beside it as NAME_code.
+void check_code_names(const DriveDraft& draft) {
+  for (const SignalDraft& enumerated : draft.signals) {
+    if (enumerated.signal.values.empty() || !readable(enumerated.signal.access)) {
+      continue;
+    }
+    const std::string code = enumerated.signal.name + "_code";
+    for (const SignalDraft& other : draft.signals) {
+      if (other.signal.name == code) {
+        draft.error(other.said->place, "signal \"" + code + "\" cannot be called that: it is the number of the " +
+                                           "enumerated \"" + enumerated.signal.name + "\"");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void take_signals(DriveDraft& draft) {
+  for (const Said<SignalKeys>& said : draft.said.signals) {
+    if (auto signal = SignalTaker(draft, said).take(); signal.has_value()) {
+      draft.signals.push_back(*std::move(signal));
+    }
+  }
+  check_code_names(draft);
+}
+
+}  // namespace config

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace config {
+
+/// The candidate that takes the fewest typing mistakes (insert, drop, replace, swap) to become `name`; the first of
+/// equals. Empty where none is near: where more than half of the longer name would have to change, and neither begins
+/// with the other.
+[[nodiscard]] std::string_view nearest(std::string_view name, std::span<const std::string_view> candidates);
+
+}  // namespace config

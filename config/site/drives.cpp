@@ -1,0 +1,133 @@
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "config/site/site.h"
+#include "config/text.h"
+#include "config/toml/document.h"
+
+namespace config {
+namespace {
+
+constexpr unsigned kLastNode = 127;
+constexpr unsigned kLastUnit = 247;
+
+using Tables = std::vector<const Node*>;
+
+std::string free_number(const std::set<unsigned>& taken, unsigned last) {
+  for (unsigned number = 1; number <= last; ++number) {
+    if (!taken.contains(number)) {
+      return std::to_string(number) + " is free";
+    }
+  }
+  return "none is free";
+}
+
+void check_names(const Model& model, const Tables& tables, Report& report) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const std::string& name = model.drives[i].name;
+    if (!name.empty() && !seen.insert(name).second) {
+      report.error(place_of(*tables[i], "name"), "drive \"" + name + "\": there is another drive of this name");
+    }
+  }
+}
+
+/// Node ids of one bus: each drive its own, and none the gateway's.
+void check_nodes(const Model& model, const Tables& tables, std::size_t bus_number, Report& report) {
+  const Bus& bus = model.buses[bus_number];
+  std::set<unsigned> taken{bus.node_id};
+  for (const Drive& drive : model.drives) {
+    if (drive.bus == bus_number) {
+      taken.insert(drive.node.node);
+    }
+  }
+  std::map<unsigned, std::string> owners;
+  if (bus.node_id != 0) {
+    owners[bus.node_id] = "the gateway";
+  }
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const Drive& drive = model.drives[i];
+    const unsigned node = drive.node.node;
+    if (drive.bus != bus_number || node < 1 || node > kLastNode) {
+      continue;
+    }
+    const auto [owner, first] = owners.try_emplace(node, "drive \"" + drive.name + "\"");
+    if (!first) {
+      report.error(place_of(*tables[i], "node"), "drive \"" + drive.name + "\": node " + std::to_string(node) +
+                                                     " on bus \"" + bus.name + "\" is that of " + owner->second + "; " +
+                                                     free_number(taken, kLastNode));
+    }
+  }
+}
+
+void check_units(const Model& model, const Tables& tables, Report& report) {
+  std::set<unsigned> taken;
+  for (const Drive& drive : model.drives) {
+    taken.insert(drive.unit.value_or(0));
+  }
+  std::map<unsigned, std::string> owners;
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const Drive& drive = model.drives[i];
+    const unsigned unit = drive.unit.value_or(0);
+    if (unit < 1 || unit > kLastUnit) {
+      continue;
+    }
+    const auto [owner, first] = owners.try_emplace(unit, drive.name);
+    if (!first) {
+      const bool stated = tables[i]->find("unit") != nullptr;
+      report.error(place_of(*tables[i], stated ? "unit" : "node"),
+                   "drive \"" + drive.name + "\": Modbus unit " + std::to_string(unit) +
+                       (stated ? "" : " (its node id, as no unit is given)") + " is that of drive \"" + owner->second +
+                       "\"; " + free_number(taken, kLastUnit));
+    }
+  }
+}
+
+/// `tpdo1`, and where its COB-ID, or else the PDO or the drive stands.
+std::string name_of(const canopen::PdoSettings& pdo, bool is_rpdo) {
+  return (is_rpdo ? "rpdo" : "tpdo") + std::to_string(pdo.number);
+}
+Place cob_id_place(const Node& drive, const std::string& pdo) {
+  const Node* const table = read_table(drive, pdo);
+  return table == nullptr ? drive.place : place_of(*table, "cob_id");
+}
+
+struct PdoOwner {
+  std::size_t drive;
+  std::string pdo;
+};
+
+void check_cob_ids(const Model& model, const Tables& tables, Report& report) {
+  std::map<std::pair<std::size_t, std::uint32_t>, PdoOwner> owners;
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const Drive& drive = model.drives[i];
+    for (const auto* const pdos : {&drive.node.tpdos, &drive.node.rpdos}) {
+      for (const canopen::PdoSettings& pdo : *pdos) {
+        const std::string name = name_of(pdo, pdos == &drive.node.rpdos);
+        const auto [owner, first] = owners.try_emplace({drive.bus, pdo.cob_id}, PdoOwner{i, name});
+        const Drive& other = model.drives[owner->second.drive];
+        // Drives of one node id share all of theirs, and have their finding already.
+        if (!first && owner->second.drive != i && pdo.cob_id != 0 && other.node.node != drive.node.node) {
+          report.error(cob_id_place(*tables[i], name),
+                       "drive \"" + drive.name + "\": " + name + " has the COB-ID " + to_hex(pdo.cob_id) + " of " +
+                           owner->second.pdo + " of drive \"" + other.name + "\"; give one of them another cob_id");
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void check_drives(const Model& model, const Tables& tables, Report& report) {
+  check_names(model, tables, report);
+  for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
+    check_nodes(model, tables, bus, report);
+  }
+  check_units(model, tables, report);
+  check_cob_ids(model, tables, report);
+}
+
+}  // namespace config

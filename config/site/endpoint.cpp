@@ -1,0 +1,183 @@
+#include "config/site/endpoint.h"
+
+#include <algorithm>
+#include <boost/asio/ip/address.hpp>
+#include <boost/asio/ip/network_v4.hpp>
+#include <boost/asio/ip/network_v6.hpp>
+#include <string>
+
+#include "config/text.h"
+
+namespace config {
+namespace {
+
+namespace ip = boost::asio::ip;
+using boost::system::error_code;
+
+/// A host name (RFC 1123, with the underscore that many have), or an IPv4 address.
+bool is_host(std::string_view host) {
+  constexpr std::size_t kLongest = 253;
+  const bool name = !host.empty() && host.size() <= kLongest && std::all_of(host.begin(), host.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
+           c == '_';
+  });
+  if (!name || host.find_first_not_of("0123456789.") == std::string_view::npos) {
+    error_code failed;
+    return name && (ip::make_address_v4(std::string(host), failed), !failed);
+  }
+  const std::string dotted = "." + std::string(host) + ".";
+  return dotted.find("..") == std::string::npos && dotted.find(".-") == std::string::npos &&
+         dotted.find("-.") == std::string::npos;
+}
+
+bool is_v6(std::string_view host) {
+  error_code failed;
+  ip::make_address_v6(std::string(host), failed);
+  return !failed && host.find('\0') == std::string_view::npos;
+}
+
+std::string to_text(const ip::address& address, unsigned prefix) {
+  return address.to_string() + "/" + std::to_string(prefix);
+}
+
+/// The network that starts at an address with so many bits: nothing lies beyond them.
+ip::address first_of(const ip::address& address, unsigned prefix) {
+  if (address.is_v4()) {
+    return ip::network_v4(address.to_v4(), static_cast<unsigned short>(prefix)).network();
+  }
+  return ip::network_v6(address.to_v6(), static_cast<unsigned short>(prefix)).network();
+}
+
+struct Parts {
+  ip::address address;
+  unsigned prefix = 0;
+};
+
+std::optional<Parts> parse_network(std::string_view text) {
+  const auto slash = text.find('/');
+  error_code failed;
+  const auto address = ip::make_address(std::string(text.substr(0, slash)), failed);
+  if (failed || text.find_first_of(std::string_view("\0%", 2)) != std::string_view::npos) {
+    return std::nullopt;
+  }
+  const unsigned longest = address.is_v4() ? 32 : 128;
+  if (slash == std::string_view::npos) {
+    return Parts{address, longest};
+  }
+  const auto prefix = parse_integer(text.substr(slash + 1));
+  if (!prefix.has_value() || *prefix < 0 || *prefix > longest) {
+    return std::nullopt;
+  }
+  return Parts{address, static_cast<unsigned>(*prefix)};
+}
+
+std::optional<Network> read_network(const Node& node, const Complaint& complain) {
+  if (!expect(node, NodeKind::text, complain, "\"192.168.1.0/24\"")) {
+    return std::nullopt;
+  }
+  const auto parts = parse_network(node.text);
+  if (!parts.has_value()) {
+    complain.value(node.place,
+                   in_quotes(node.text) + " must be a network such as \"192.168.1.0/24\" or one numeric address");
+    return std::nullopt;
+  }
+  constexpr unsigned kMapped = 96;  // ::ffff:0:0/96, RFC 4291 §2.5.5.2
+  if (parts->address.is_v6() && parts->address.to_v6().is_v4_mapped() && parts->prefix >= kMapped) {
+    const auto plain = ip::make_address_v4(ip::v4_mapped, parts->address.to_v6());
+    complain.value(node.place, in_quotes(node.text) + " is IPv4 and must be written so: \"" +
+                                   to_text(first_of(plain, parts->prefix - kMapped), parts->prefix - kMapped) + "\"");
+    return std::nullopt;
+  }
+  const auto first = first_of(parts->address, parts->prefix);
+  if (first != parts->address) {
+    complain.value(node.place, in_quotes(node.text) + " has bits beyond its prefix; the network is \"" +
+                                   to_text(first, parts->prefix) + "\"");
+    return std::nullopt;
+  }
+  return Network{.address = first.to_string(), .prefix = parts->prefix};
+}
+
+std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain) {
+  constexpr std::string_view kScheme = "mqtt://";
+  if (!expect(node, NodeKind::text, complain, "\"mqtt://127.0.0.1:1883\"")) {
+    return std::nullopt;
+  }
+  if (node.text.starts_with("mqtts://")) {
+    complain.value(node.place, in_quotes(node.text) + " is not supported by this version; only mqtt:// is");
+    return std::nullopt;
+  }
+  const bool schemed = node.text.starts_with(kScheme);
+  auto broker = schemed ? parse_endpoint(std::string_view(node.text).substr(kScheme.size())) : std::nullopt;
+  if (!broker.has_value()) {
+    complain.value(node.place, in_quotes(node.text) + " must be mqtt://HOST:PORT, such as \"mqtt://127.0.0.1:1883\"");
+  }
+  return broker;
+}
+
+std::string shown(const Endpoint& endpoint) {
+  const bool bracketed = endpoint.host.find(':') != std::string::npos;
+  return (bracketed ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
+}
+
+}  // namespace
+
+std::optional<Endpoint> parse_endpoint(std::string_view text) {
+  constexpr std::int64_t kLastPort = 65535;
+  const auto colon = text.rfind(':');
+  const auto port = colon == std::string_view::npos ? std::nullopt : parse_integer(text.substr(colon + 1));
+  if (!port.has_value() || *port < 1 || *port > kLastPort) {
+    return std::nullopt;
+  }
+  std::string_view host = text.substr(0, colon);
+  const bool bracketed = host.starts_with('[') && host.ends_with(']');
+  host = bracketed ? host.substr(1, host.size() - 2) : host;
+  if (bracketed ? !is_v6(host) : !is_host(host)) {
+    return std::nullopt;
+  }
+  // One spelling of an IPv6 address, so that equal ones are found equal.
+  std::string plain = bracketed ? ip::make_address_v6(std::string(host)).to_string() : std::string(host);
+  return Endpoint{.host = std::move(plain), .port = static_cast<std::uint16_t>(*port)};
+}
+
+Form<Endpoint> endpoint() {
+  return {.type = "string",
+          .read = [](const Node& node, const Complaint& complain) -> std::optional<Endpoint> {
+            if (!expect(node, NodeKind::text, complain, "\"0.0.0.0:502\"")) {
+              return std::nullopt;
+            }
+            auto value = parse_endpoint(node.text);
+            if (!value.has_value()) {
+              complain.value(node.place,
+                             in_quotes(node.text) + " must be an address and a port, such as \"0.0.0.0:502\"");
+            }
+            return value;
+          },
+          .show = shown};
+}
+
+Form<Endpoint> broker() {
+  return {.type = "string", .read = read_broker, .show = [](const Endpoint& endpoint) {
+            return "mqtt://" + shown(endpoint);
+          }};
+}
+
+Form<Network> network() {
+  return {.type = "string", .read = read_network, .show = [](const Network& network) {
+            return network.address + "/" + std::to_string(network.prefix);
+          }};
+}
+
+bool covers(const Endpoint& outer, const Endpoint& inner) {
+  const bool inner_v6 = inner.host.find(':') != std::string::npos;
+  const std::string_view all = inner_v6 ? "::" : "0.0.0.0";
+  return outer.port == inner.port && (outer.host == inner.host || outer.host == all);
+}
+
+bool covers(const Network& outer, const Network& inner) {
+  const auto outer_address = ip::make_address(outer.address);
+  const auto inner_address = ip::make_address(inner.address);
+  return outer_address.is_v4() == inner_address.is_v4() && outer.prefix <= inner.prefix &&
+         first_of(inner_address, outer.prefix) == outer_address;
+}
+
+}  // namespace config

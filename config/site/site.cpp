@@ -1,0 +1,212 @@
+#include "config/site/site.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "config/schema/complaint.h"
+#include "config/site/endpoint.h"
+#include "config/site/site_keys.h"
+#include "config/text.h"
+#include "config/toml/document.h"
+#include "config/toml/files.h"
+
+namespace config {
+namespace {
+
+// A network interface name is at most IFNAMSIZ - 1 bytes.
+constexpr std::size_t kLongestInterface = 15;
+
+/// The host's name without domain, in the letters that a gateway name may have.
+std::string from_host_name(const std::string& host_name) {
+  std::string name = host_name.substr(0, std::min(host_name.find('.'), std::size_t{32}));
+  std::replace_if(name.begin(), name.end(), [](char c) { return !is_name(std::string_view(&c, 1)); }, '-');
+  return name;
+}
+
+bool is_interface(const std::string& name) {
+  return !name.empty() && name.size() <= kLongestInterface && name != "." && name != ".." &&
+         std::all_of(name.begin(), name.end(),
+                     [](char c) { return c > ' ' && c != '/' && c != ':' && static_cast<unsigned char>(c) < 0x7F; });
+}
+
+void check_bus(const Node& table, const std::vector<Bus>& before, const Bus& bus, Report& report) {
+  const std::string where = "bus \"" + bus.name + "\": ";
+  for (const Bus& other : before) {
+    if (!bus.name.empty() && other.name == bus.name) {
+      report.error(place_of(table, "name"), where + "there is another bus of this name");
+    }
+    if (other.interface == bus.interface && bus.interface != kVirtualInterface && !bus.interface.empty()) {
+      report.error(place_of(table, "interface"),
+                   where + "interface \"" + bus.interface + "\" is already that of bus \"" + other.name + "\"");
+    }
+  }
+  const Node* const interface = table.find("interface");
+  const bool stated = interface != nullptr && interface->kind == NodeKind::text;
+  if ((stated || !bus.interface.empty()) && !is_interface(bus.interface)) {
+    report.error(
+        place_of(table, stated ? "interface" : "name"),
+        where + in_quotes(bus.interface) + " is no interface name; give `interface` 1 to 15 letters or digits");
+  }
+}
+
+void check_listen(const Node& table, const Modbus& modbus, Report& report) {
+  const auto items = read_texts(table, "listen");
+  if (items.size() != modbus.listen.size()) {
+    return;  // left out, or one of them has its finding
+  }
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    for (std::size_t k = 0; k < items.size(); ++k) {
+      const bool equal = modbus.listen[k] == modbus.listen[i];
+      if (k != i && covers(modbus.listen[k], modbus.listen[i]) && (!equal || k < i)) {
+        report.error(items[i]->place,
+                     "modbus.listen " + in_quotes(items[i]->text) +
+                         (equal ? " stands there twice"
+                                : " is contained in " + in_quotes(items[k]->text) + "; leave one of them out"));
+        break;
+      }
+    }
+  }
+}
+
+/// Clients that cannot connect cannot write, whatever write_from says of them.
+void check_access(const Node& table, const Modbus& modbus, Report& report) {
+  if (modbus.read_from.empty()) {
+    report.warning(place_of(table, "read_from"), "modbus.read_from is empty, so nobody can connect");
+    return;
+  }
+  const auto items = read_texts(table, "write_from");
+  for (std::size_t i = 0; i < items.size() && items.size() == modbus.write_from.size(); ++i) {
+    const auto meets = [&](const Network& read) {
+      return covers(read, modbus.write_from[i]) || covers(modbus.write_from[i], read);
+    };
+    if (std::none_of(modbus.read_from.begin(), modbus.read_from.end(), meets)) {
+      report.warning(items[i]->place, "modbus.write_from " + in_quotes(items[i]->text) +
+                                          " lies outside of read_from, so its clients cannot connect; add it there");
+    }
+  }
+}
+
+void check_brokers(const Node& table, Report& report) {
+  const Node* const list = table.find("brokers");
+  if (list == nullptr || list->kind != NodeKind::list) {
+    return;
+  }
+  if (list->items.empty()) {
+    report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
+  } else if (list->items.size() > 1) {
+    report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
+  }
+}
+
+void check_base(const Node& table, const std::string& base, Report& report) {
+  const bool good = !base.empty() && !base.starts_with('/') && !base.ends_with('/') && !base.starts_with('$') &&
+                    base.find_first_of("+#") == std::string::npos && base.find("//") == std::string::npos;
+  if (!good) {
+    report.error(place_of(table, "base"),
+                 "mqtt.base " + in_quotes(base) + " must be a topic without '+', '#', a leading '$', or an empty part");
+  }
+}
+
+/// The first line of the file; without secrets only what can be told without a look into it.
+std::string password_of(const Node& table, const std::filesystem::path& file, const std::string& stated,
+                        bool with_secrets, Report& report) {
+  const Place place = place_of(table, "password_file");
+  const std::string label = "mqtt.password_file " + in_quotes(stated);
+  const auto facts = look_at_file(file);
+  if (const auto* const failure = std::get_if<FileFailure>(&facts); failure != nullptr) {
+    report.error(place, label + " cannot be read: " + failure->reason);
+    return "";
+  }
+  if (std::get<FileFacts>(facts).readable_by_all) {
+    report.warning(place, label + " can be read by everybody on this machine; chmod o-r it");
+  }
+  if (std::get<FileFacts>(facts).size == 0) {
+    report.error(place, label + " is empty; its first line is the password");
+    return "";
+  }
+  if (!with_secrets) {
+    return "";
+  }
+  const auto content = read_file(file);
+  if (const auto* const failure = std::get_if<FileFailure>(&content); failure != nullptr) {
+    report.error(place, label + " cannot be read: " + failure->reason);
+    return "";
+  }
+  const std::string& text = std::get<std::string>(content);
+  std::string password = text.substr(0, text.find_first_of("\r\n"));
+  if (password.empty()) {
+    report.error(place, label + " begins with an empty line; its first line is the password");
+  }
+  return password;
+}
+
+}  // namespace
+
+Gateway read_gateway(const Node& root, const std::string& host_name, Report& report) {
+  const Node* const table = read_table(root, "gateway");
+  const bool stated = table != nullptr && table->find("name") != nullptr;
+  Gateway gateway = table == nullptr ? Gateway{} : gateway_section().read(*table);
+  if (!stated) {
+    gateway.name = from_host_name(host_name);
+    if (!is_name(gateway.name)) {
+      report.error(root.place, "the host's name is no name for a gateway; write [gateway] name = \"…\"");
+    }
+  }
+  return gateway;
+}
+
+std::vector<Bus> read_buses(const Node& root, Report& report) {
+  std::vector<Bus> buses;
+  for (const Node* const table : read_tables(root, "bus")) {
+    Bus bus = bus_section().read(*table);
+    if (table->find("interface") == nullptr) {
+      bus.interface = bus.name;
+    }
+    check_bus(*table, buses, bus, report);
+    buses.push_back(std::move(bus));
+  }
+  return buses;
+}
+
+std::optional<Modbus> read_modbus(const Node& root, Report& report) {
+  const Node* const table = read_table(root, "modbus");
+  if (table == nullptr) {
+    return std::nullopt;
+  }
+  Modbus modbus = modbus_section().read(*table);
+  if (modbus.listen.empty()) {
+    report.error(place_of(*table, "listen"), "modbus.listen is empty; leave [modbus] out where no Modbus is wanted");
+  }
+  if (modbus.on_stale == OnStale::zero) {
+    report.warning(place_of(*table, "on_stale"),
+                   "modbus.on_stale = \"zero\" shows a lost drive as one that stands still");
+  }
+  check_listen(*table, modbus, report);
+  check_access(*table, modbus, report);
+  return modbus;
+}
+
+std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
+                              Report& report) {
+  const Node* const table = read_table(root, "mqtt");
+  if (table == nullptr) {
+    return std::nullopt;
+  }
+  Mqtt mqtt = mqtt_section().read(*table);
+  check_brokers(*table, report);
+  check_base(*table, mqtt.base, report);
+  if (mqtt.max_interval < mqtt.min_interval) {
+    const auto* const key = table->find("max_interval") != nullptr ? "max_interval" : "min_interval";
+    report.error(place_of(*table, key), "mqtt.max_interval is shorter than min_interval (" +
+                                            to_text(mqtt.max_interval) + ", " + to_text(mqtt.min_interval) + ")");
+  }
+  if (!mqtt.password_file.empty()) {
+    if (mqtt.username.empty()) {
+      report.error(place_of(*table, "password_file"), "mqtt.password_file needs username");
+    }
+    mqtt.password = password_of(*table, directory / mqtt.password_file, mqtt.password_file, with_secrets, report);
+  }
+  return mqtt;
+}
+
+}  // namespace config

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "config/model.h"
+#include "config/toml/document.h"
+#include "config/toml/report.h"
+
+// The parts of a site's file beside its drives, each read out of its checked table, and what must fit between them.
+
+namespace config {
+
+[[nodiscard]] Gateway read_gateway(const Node& root, const std::string& host_name, Report& report);
+[[nodiscard]] std::vector<Bus> read_buses(const Node& root, Report& report);
+[[nodiscard]] std::optional<Modbus> read_modbus(const Node& root, Report& report);
+/// `directory` is where a relative password_file is looked for; it is read only `with_secrets`.
+[[nodiscard]] std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
+                                            Report& report);
+/// What must differ from drive to drive: names, node ids, Modbus units, COB-IDs. `tables` holds each drive's own.
+void check_drives(const Model& model, const std::vector<const Node*>& tables, Report& report);
+/// Warns of buses that are forecast to be too busy.
+void advise_on_load(const Model& model, const Node& root, Report& report);
+
+}  // namespace config

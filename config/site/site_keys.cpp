@@ -1,0 +1,164 @@
+#include "config/site/site_keys.h"
+
+#include <chrono>
+
+#include "config/drive/drive_keys.h"
+#include "config/site/endpoint.h"
+
+namespace config {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+constexpr hours kDay(24);
+
+/// What stands in a table that is only checked, or not even that yet.
+struct Nothing {};
+
+const SectionOf<Nothing>& http_section() {
+  using Field = KeyOf<Nothing>;
+  static const SectionOf<Nothing> section(
+      "[http]", {Field::later("listen", "string", "127.0.0.1:9464", "Address to listen on; read-only, loopback alone."),
+                 Field::later("read_from", "list of strings", "[\"127.0.0.0/8\", \"::1/128\"]",
+                              "Networks whose clients may read."),
+                 Field::later("hosts", "list of strings", "[]", "Further Host names that are answered.")});
+  return section;
+}
+
+const SectionOf<Nothing>& recorder_section() {
+  using Field = KeyOf<Nothing>;
+  static const SectionOf<Nothing> section(
+      "[recorder]", {Field::later("before", "duration", "10s", "Frames of how long before an alarm are recorded."),
+                     Field::later("after", "duration", "5s", "And of how long after it."),
+                     Field::later("keep", "size", "200MB", "What all records together may take.")});
+  return section;
+}
+
+}  // namespace
+
+Form<OnStale> on_stale_form() {
+  return choice<OnStale>({{"exception", OnStale::exception}, {"hold", OnStale::hold}, {"zero", OnStale::zero}});
+}
+
+const SectionOf<Gateway>& gateway_section() {
+  using Field = KeyOf<Gateway>;
+  static const SectionOf<Gateway> section(
+      "[gateway]",
+      {Field("name", &Gateway::name, name(), "Second part of every topic.").unset("the host's name"),
+       Field::later("state_dir", "string", "/var/lib/canopen-gateway", "Directory of alarms, journal and records."),
+       Field::later("control", "string", "/run/canopen-gateway/control", "The socket of the command line."),
+       Field::later("journal", "size", "50MB", "What the journal of commands may take.")});
+  return section;
+}
+
+const SectionOf<Bus>& bus_section() {
+  using Field = KeyOf<Bus>;
+  static const SectionOf<Bus> section(
+      "[[bus]]",
+      {Field("name", &Bus::name, name(), "Names the bus in topics and drives.").required(),
+       Field("interface", &Bus::interface, text(), "A SocketCAN interface, or `virtual`: a bus inside the process.")
+           .unset("the bus' name"),
+       Field("bitrate", &Bus::bitrate, integer(10'000, 1'000'000, "bit/s", "250000"),
+             "Bit/s, only to work out the bus load; the system sets the interface up.")
+           .unset("none: no load shown"),
+       Field("node_id", &Bus::node_id, integer(0, 127), "The gateway's own node id; 0: none, and no heartbeat."),
+       Field("heartbeat", &Bus::heartbeat, duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
+             "Period of the gateway's own heartbeat; `0s`: none."),
+       Field("sync", &Bus::sync, duration({.min = milliseconds(1), .max = minutes(1), .zero = true}),
+             "Period of the SYNC that the gateway sends; `0s`: none.")
+           .unset("none: no SYNC"),
+       Field::later("sdo_load", "number", "0.7",
+                    "Load that all traffic together may reach while SDO transfers of the gateway run."),
+       Field::later("other_master", "true or false", "false",
+                    "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
+       Field::later("echo", "`auto`, `departure`, `adapter`", "auto",
+                    "What an own echo proves: that the frame left, or only that the adapter has it.")});
+  return section;
+}
+
+const SectionOf<Modbus>& modbus_section() {
+  using Field = KeyOf<Modbus>;
+  static const SectionOf<Modbus> section(
+      "[modbus]",
+      {Field("listen", &Modbus::listen, list("list of strings", endpoint()),
+             "Addresses to listen on, `\"[::]:502\"` for IPv6."),
+       Field("max_clients", &Modbus::max_clients, integer(1, 1000), "Connections at a time."),
+       Field("idle_timeout", &Modbus::idle_timeout, duration({.min = seconds(1), .max = kDay}),
+             "A client silent for this long is disconnected."),
+       Field("read_from", &Modbus::read_from, list("list of strings", network()),
+             "Networks whose clients may connect and read."),
+       Field("write_from", &Modbus::write_from, list("list of strings", network()),
+             "Networks whose clients may write."),
+       Field("word_order", &Modbus::word_order,
+             choice<WordOrder>({{"big", WordOrder::big}, {"little", WordOrder::little}}),
+             "Of values of more than one register: `big` puts the high word first."),
+       Field("on_stale", &Modbus::on_stale, on_stale_form(),
+             "Reading a value that is not fresh: exception 0x0B, its last value, or 0."),
+       Field::later("flat_unit", "integer 1..247", "none", "A unit that shows all drives that have a `flat` base.")});
+  return section;
+}
+
+const SectionOf<Mqtt>& mqtt_section() {
+  using Field = KeyOf<Mqtt>;
+  static const SectionOf<Mqtt> section(
+      "[mqtt]",
+      {Field("brokers", &Mqtt::brokers, list("list of strings", broker()),
+             "One broker in this version; `mqtts://` is for a later one."),
+       Field::later("version", "`auto`, `5`, `3.1.1`", "auto", "Of the protocol."),
+       Field::later("client_id", "string", "canopen-gateway-NAME", "Whom the broker knows the gateway as."),
+       Field("base", &Mqtt::base, text(), "First part of every topic."),
+       Field("qos", &Mqtt::qos, integer(0, 1), "Quality of service of what is published."),
+       Field("state", &Mqtt::state, boolean(), "One JSON topic per drive."),
+       Field("signals", &Mqtt::signals, boolean(), "One plain topic per signal."),
+       Field("min_interval", &Mqtt::min_interval, duration({.min = seconds(0), .max = kDay}),
+             "A value is published not more often than this; `0s`: at every change."),
+       Field("max_interval", &Mqtt::max_interval, duration({.min = seconds(1), .max = kDay}),
+             "A value is published at least this often.")
+           .spelled("60s"),
+       Field::later("expiry", "duration", "90s", "How long live topics outlive the gateway at a broker (MQTT 5)."),
+       Field::later("answers", "list of strings", "anywhere outside of `base`", "Where response topics may lie."),
+       Field::later("stale_payload", "string", "", "What a plain topic shows while its value is not fresh."),
+       Field("username", &Mqtt::username, text(), "For the broker."),
+       Field("password_file", &Mqtt::password_file, text(),
+             "File with the password in its first line, read at the start; needs `username`."),
+       Field::later("ca_file", "string", "", "For TLS."), Field::later("cert_file", "string", "", "For TLS."),
+       Field::later("key_file", "string", "", "For TLS."),
+       Field::later("home_assistant", "string", "", "Discovery topics.")});
+  return section;
+}
+
+const Section& site_section() {
+  using Field = KeyOf<Nothing>;
+  const auto table = [](std::string_view name, const Section& section, std::string_view meaning) {
+    return Field::checked(
+               name, "table", Layering::replace, &section,
+               [&section](const Node& node, const Complaint& complain) { check_table(node, section, complain); },
+               meaning)
+        .unset(name == "gateway" ? "" : "off");
+  };
+  const auto tables = [](std::string_view name, const Section& section, std::string_view meaning) {
+    return Field::checked(
+               name, "tables", Layering::replace, &section,
+               [&section](const Node& node, const Complaint& complain) {
+                 check_tables(node, section, complain);
+                 if (node.kind == NodeKind::list && node.items.empty()) {
+                   complain.value(node.place, "is empty; write at least one [[" + complain.path() + "]]");
+                 }
+               },
+               meaning)
+        .required();
+  };
+  static const SectionOf<Nothing> section(
+      "The file",
+      {table("gateway", gateway_section(), "The gateway itself."), tables("bus", bus_section(), "The CAN buses."),
+       table("modbus", modbus_section(), "The Modbus TCP server."), table("mqtt", mqtt_section(), "The MQTT client."),
+       Field::later("http", "table", "off", "Metrics.", &http_section()),
+       Field::later("recorder", "table", "off", "Frames around an alarm.", &recorder_section()),
+       tables("drive", drive_section(), "The drives.")});
+  return section;
+}
+
+}  // namespace config

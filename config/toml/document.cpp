@@ -1,0 +1,204 @@
+#include "config/toml/document.h"
+
+#include <algorithm>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+// The only file that knows toml++: it costs seconds of compile time wherever it is included.
+#include <toml++/toml.h>
+
+namespace config {
+namespace {
+
+// A value nested deeper than this is no configuration; toml++ itself stops at 256.
+constexpr int kMaxDepth = 32;
+
+// toml++ 3.3 limits the depth of lists and inline tables but not of dotted keys: `a.a.a. …` some ten thousand times
+// over runs its recursive destructors out of stack. So dotted keys are measured first.
+constexpr int kMaxKeyParts = 16;
+
+/// Finds a dotted key of too many parts. Knows just enough of TOML to step over strings and comments.
+class KeyMeter {
+ public:
+  explicit KeyMeter(std::string_view text) : text_(text) {}
+
+  /// Where the first such key goes too far; nothing where none does.
+  std::optional<Place> find(std::uint16_t file) {
+    while (at_ < text_.size()) {
+      const char c = text_[at_];
+      if (c == '"' || c == '\'') {
+        skip_string(c);
+        continue;
+      }
+      if (c == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size());
+        continue;
+      }
+      if (c == '.' && ++dots_ >= kMaxKeyParts) {
+        return Place{file, line_, static_cast<std::uint32_t>(at_ - line_start_ + 1)};
+      }
+      if (c == '=' || c == ',' || c == '[' || c == ']' || c == '{' || c == '}' || c == '\n') {
+        dots_ = 0;
+      }
+      step();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void step() {
+    if (text_[at_] == '\n') {
+      ++line_;
+      line_start_ = at_ + 1;
+    }
+    ++at_;
+  }
+
+  /// From the opening quote past the closing one, or to the end of a line that has none.
+  void skip_string(char quote) {
+    const std::string three(std::size_t{3}, quote);
+    const bool multi_line = text_.substr(at_, 3) == three;
+    at_ += multi_line ? 3U : 1U;
+    while (at_ < text_.size()) {
+      if (text_[at_] == '\\' && quote == '"') {
+        step();
+        if (at_ < text_.size()) {
+          step();
+        }
+      } else if (multi_line && text_.substr(at_, 3) == three) {
+        at_ += 3;
+        return;
+      } else if (!multi_line && (text_[at_] == quote || text_[at_] == '\n')) {
+        at_ += text_[at_] == quote ? 1U : 0U;
+        return;
+      } else {
+        step();
+      }
+    }
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t line_start_ = 0;
+  std::uint32_t line_ = 1;
+  int dots_ = 0;
+};
+
+Place place_of(const toml::source_region& region, std::uint16_t file) {
+  return {file, static_cast<std::uint32_t>(region.begin.line), static_cast<std::uint32_t>(region.begin.column)};
+}
+
+/// The library's description without its refrain, and with what a line break inside of a string mostly means.
+std::string in_our_words(std::string_view description) {
+  constexpr std::string_view kRefrain = "Error while parsing ";
+  if (description.starts_with(kRefrain)) {
+    description.remove_prefix(kRefrain.size());
+  }
+  std::string text = "not TOML: " + std::string(description);
+  if (description.find("control characters") != std::string_view::npos) {
+    text += "; is the closing quotation mark missing?";
+  } else if (description.starts_with("decimal integer: expected digit") ||
+             description.find("value type") != std::string_view::npos) {
+    text += "; durations, names and objects need quotation marks";
+  }
+  return text;
+}
+
+bool before(const Entry& a, const Entry& b) {
+  return std::tie(a.key_place.line, a.key_place.column, a.key) < std::tie(b.key_place.line, b.key_place.column, b.key);
+}
+
+Node convert(const toml::node& from, std::uint16_t file, int depth);
+
+void convert_list(const toml::array& from, Node& node, int depth) {
+  node.kind = NodeKind::list;
+  node.items.reserve(from.size());
+  for (const toml::node& item : from) {
+    node.items.push_back(convert(item, node.place.file, depth + 1));
+  }
+}
+
+void convert_table(const toml::table& from, Node& node, int depth) {
+  node.kind = NodeKind::table;
+  node.entries.reserve(from.size());
+  for (const auto& [key, value] : from) {
+    node.entries.push_back({.key = std::string(key.str()),
+                            .key_place = place_of(key.source(), node.place.file),
+                            .value = convert(value, node.place.file, depth + 1)});
+  }
+  std::sort(node.entries.begin(), node.entries.end(), before);
+}
+
+Node convert(const toml::node& from, std::uint16_t file, int depth) {
+  Node node;
+  node.kind = NodeKind::other;
+  node.place = place_of(from.source(), file);
+  if (depth > kMaxDepth) {
+    return node;
+  }
+  if (const auto* table = from.as_table(); table != nullptr) {
+    convert_table(*table, node, depth);
+  } else if (const auto* list = from.as_array(); list != nullptr) {
+    convert_list(*list, node, depth);
+  } else if (const auto* text = from.as_string(); text != nullptr) {
+    node.kind = NodeKind::text;
+    node.text = text->get();
+  } else if (const auto* integer = from.as_integer(); integer != nullptr) {
+    node.kind = NodeKind::integer;
+    node.integer = integer->get();
+  } else if (const auto* number = from.as_floating_point(); number != nullptr) {
+    node.kind = NodeKind::number;
+    node.number = number->get();
+  } else if (const auto* boolean = from.as_boolean(); boolean != nullptr) {
+    node.kind = NodeKind::boolean;
+    node.boolean = boolean->get();
+  }
+  return node;
+}
+
+}  // namespace
+
+std::string_view name_of(NodeKind kind) noexcept {
+  switch (kind) {
+    case NodeKind::boolean:
+      return "true or false";
+    case NodeKind::integer:
+      return "an integer";
+    case NodeKind::number:
+      return "a number";
+    case NodeKind::text:
+      return "a string";
+    case NodeKind::list:
+      return "a list";
+    case NodeKind::table:
+      return "a table";
+    case NodeKind::other:
+      break;
+  }
+  return "a date, a time or a value nested too deeply";
+}
+
+const Node* Node::find(std::string_view key) const noexcept {
+  const auto found = std::find_if(entries.begin(), entries.end(), [key](const Entry& e) { return e.key == key; });
+  return found == entries.end() ? nullptr : &found->value;
+}
+
+Node* Node::find(std::string_view key) noexcept {
+  const auto found = std::find_if(entries.begin(), entries.end(), [key](const Entry& e) { return e.key == key; });
+  return found == entries.end() ? nullptr : &found->value;
+}
+
+std::variant<Node, ParseFailure> parse_toml(std::string_view text, std::uint16_t file) {
+  if (const auto deep = KeyMeter(text).find(file); deep.has_value()) {
+    return ParseFailure{*deep, "a key of more than " + std::to_string(kMaxKeyParts) + " parts"};
+  }
+  // The packaged library is built with exceptions; they end here.
+  try {
+    return convert(toml::parse(text), file, 0);
+  } catch (const toml::parse_error& error) {
+    return ParseFailure{place_of(error.source(), file), in_our_words(error.description())};
+  }
+}
+
+}  // namespace config

@@ -1,0 +1,51 @@
+#include "config/toml/files.h"
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+namespace config {
+
+std::variant<FileFacts, FileFailure> look_at_file(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kLargest = std::uintmax_t{1} << 20U;
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    return FileFailure{is_absent(path) ? "no such file" : "the link leads nowhere"};
+  }
+  if (error) {
+    return FileFailure{error.message()};
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    return FileFailure{std::filesystem::is_directory(status) ? "not a file but a directory"
+                                                             : "not a file but a device or pipe"};
+  }
+  const auto size = std::filesystem::file_size(path, error);
+  if (error || size > kLargest) {
+    return FileFailure{error ? error.message() : "larger than 1 MiB"};
+  }
+  const auto others = status.permissions() & std::filesystem::perms::others_read;
+  return FileFacts{.size = size, .readable_by_all = others != std::filesystem::perms::none};
+}
+
+std::variant<std::string, FileFailure> read_file(const std::filesystem::path& path) {
+  auto facts = look_at_file(path);
+  if (auto* const failure = std::get_if<FileFailure>(&facts); failure != nullptr) {
+    return *failure;
+  }
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    return FileFailure{std::generic_category().message(errno)};
+  }
+  std::string content(static_cast<std::size_t>(std::get<FileFacts>(facts).size), '\0');
+  in.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(in.gcount()));
+  return content;
+}
+
+bool is_absent(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::symlink_status(path, error).type() == std::filesystem::file_type::not_found;
+}
+
+}  // namespace config
