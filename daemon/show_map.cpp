@@ -1,7 +1,7 @@
 #include <iostream>
 
-#include "config/map.h"
 #include "daemon/commands.h"
+#include "daemon/map.h"
 
 namespace gateway {
 
@@ -10,12 +10,12 @@ int show_map(const Options& options, const std::string& format) {
   if (!model) {
     return kConfigurationError;
   }
-  const std::optional<config::MapFormat> wanted = config::parse_map_format(format);
+  const std::optional<MapFormat> wanted = parse_map_format(format);
   if (!wanted) {
     std::cerr << "unknown format " << format << '\n';
     return kUsage;
   }
-  std::cout << config::render_map(*model, *wanted);
+  std::cout << render_map(*model, *wanted);
   return kDone;
 }
 

@@ -1,4 +1,4 @@
-#include "config/map.h"
+#include "daemon/map.h"
 
 #include <gmock/gmock.h>
 
@@ -7,10 +7,12 @@
 
 #include "tests/unit/config/site.h"
 
-namespace config {
+namespace gateway {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kMapped = R"(title = "t"
 [tpdo1]
@@ -22,10 +24,10 @@ scale = 0.01
 unit = "Hz"
 )";
 
-Model line3(const std::string& more = "") {
-  return model_of(
-      "[gateway]\nname = \"line3\"\n" + kBus + "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"own\"\n" + more,
-      kMapped);
+config::Model line3(const std::string& more = "") {
+  return config::model_of("[gateway]\nname = \"line3\"\n" + config::kBus +
+                              "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"own\"\n" + more,
+                          kMapped);
 }
 
 /// The text without the white space between its parts.
@@ -40,24 +42,37 @@ TEST(MapAsJson, IsThatOfTheContract) {
    "signals": [{"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz",
                 "access": "read", "source": "tpdo1", "min": null, "max": null, "values": null,
                 "modbus": {"kind": "register", "address": 2, "count": 1},
-                "mqtt": {"topic": "canopen/line3/pump1/output_frequency", "set": null}}]}]})"));
+                "mqtt": {"topic": "canopen/line3/pump1/output_frequency", "set": null}, "unconfirmed": false}]}]})"));
   EXPECT_THAT(text, HasSubstr("\"scale\": 0.01,"));
 }
 
+TEST(MapAsJson, HasASignalALineAndItsKeysInOrder) {
+  EXPECT_EQ(render_map(line3(), MapFormat::json),
+            R"({"gateway": "line3", "base": "canopen/line3", "drives": [
+  {"name": "pump1", "bus": "can0", "node": 5, "profile": "own", "modbus_unit": 5, "signals": [
+    {"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz", )"
+            R"("access": "read", "source": "tpdo1", "min": null, "max": null, "values": null, )"
+            R"("modbus": {"kind": "register", "address": 2, "count": 1}, )"
+            R"("mqtt": {"topic": "canopen/line3/pump1/output_frequency", "set": null}, "unconfirmed": false}]}]}
+)");
+}
+
 TEST(MapAsJson, TellsWhatIsMissingByNull) {
-  const Model model = line3(R"(unit = "none"
+  const config::Model model = line3(R"(unit = "none"
 [drive.signals.control_command]
 object = "0x2000:01"
 type = "u8"
 access = "write"
 min = 0
-max = 2.0
+max = 2.5
 unit = "say \"go\""
 values = { 0 = "stop", 1 = "go \\ run" }
 [mqtt]
 base = "plant"
 )");
-  const auto root = boost::json::parse(render_map(model, MapFormat::json));
+  const std::string text = render_map(model, MapFormat::json);
+  EXPECT_THAT(text, HasSubstr("\"min\": 0, \"max\": 2.5, "));
+  const auto root = boost::json::parse(text);
   EXPECT_EQ(root.at("base").as_string(), "plant/line3");
   const auto& drive = root.at("drives").at(0);
   EXPECT_TRUE(drive.at("modbus_unit").is_null());
@@ -70,7 +85,7 @@ base = "plant"
   EXPECT_EQ(signal.at("unit").as_string(), "say \"go\"");
   EXPECT_EQ(signal.at("access").as_string(), "write");
   EXPECT_EQ(signal.at("source").as_string(), "sdo");
-  EXPECT_EQ(signal.at("max").to_number<double>(), 2.0);
+  EXPECT_EQ(signal.at("max").to_number<double>(), 2.5);
   EXPECT_EQ(signal.at("values").at("1").as_string(), "go \\ run");
   EXPECT_TRUE(signal.at("modbus").is_null());
   EXPECT_TRUE(signal.at("mqtt").at("topic").is_null());
@@ -78,7 +93,7 @@ base = "plant"
 }
 
 TEST(MapAsJson, ShowsBitsAndWideValues) {
-  const Model model = line3(
+  const config::Model model = line3(
       "[drive.signals.running]\nfrom = \"output_frequency\"\nmask = 1\n[drive.signals.x]\nobject = "
       "\"0x1\"\ntype = \"u32\"\naddress = 200\n[mqtt]\nsignals = false\n");
   const auto root = boost::json::parse(render_map(model, MapFormat::json));
@@ -90,20 +105,36 @@ TEST(MapAsJson, ShowsBitsAndWideValues) {
   EXPECT_TRUE(signals[0].at("mqtt").at("topic").is_null()) << "single topics are switched off";
 }
 
-TEST(MapAsTable, AlignsItsColumns) {
+TEST(MapAsTable, AlignsItsColumnsAndTellsWhatIsOff) {
   EXPECT_EQ(
       render_map(line3("[drive.signals.output_frequency]\nunit = \"°C\"\n"), MapFormat::table),
       "drive  signal            object     type  scale  unit  access  source  min  max  modbus         topic       "
-      "                          set\n"
+      "                          set  note\n"
       "pump1  output_frequency  0x2021:02  u16   0.01   °C    read    tpdo1             5: register 2  "
-      "canopen/line3/pump1/output_frequency\n");
+      "canopen/line3/pump1/output_frequency\n"
+      "Modbus is off: there is no [modbus] in the configuration; these would be the registers and bits.\n"
+      "MQTT is off: there is no [mqtt] in the configuration; these would be the topics.\n");
+}
+
+TEST(MapAsTable, SaysNothingOfWhatIsOn) {
+  EXPECT_THAT(render_map(line3("[modbus]\n[mqtt]\n"), MapFormat::table), Not(HasSubstr(" off")));
+  EXPECT_THAT(render_map(line3("[modbus]\n"), MapFormat::table),
+              AllOf(Not(HasSubstr("Modbus is off")), HasSubstr("MQTT is off")));
+}
+
+TEST(MapNotes, MarkWhatIsUnconfirmed) {
+  const config::Model model = line3("[drive.signals.output_frequency]\nunconfirmed = true\n");
+  EXPECT_THAT(render_map(model, MapFormat::table), HasSubstr("pump1/output_frequency       unconfirmed\n"));
+  EXPECT_THAT(render_map(model, MapFormat::csv), HasSubstr("pump1/output_frequency,,unconfirmed\n"));
+  EXPECT_THAT(render_map(model, MapFormat::markdown), HasSubstr("pump1/output_frequency |  | unconfirmed |\n"));
+  EXPECT_THAT(render_map(model, MapFormat::json), HasSubstr("\"unconfirmed\": true}"));
 }
 
 TEST(MapAsCsv, QuotesWhatHasACommaOrAQuote) {
   EXPECT_EQ(render_map(line3("[drive.signals.output_frequency]\nunit = \"a,\\\"b\"\n"), MapFormat::csv),
-            "drive,signal,object,type,scale,unit,access,source,min,max,modbus,topic,set\n"
+            "drive,signal,object,type,scale,unit,access,source,min,max,modbus,topic,set,note\n"
             "pump1,output_frequency,0x2021:02,u16,0.01,\"a,\"\"b\",read,tpdo1,,,5: register "
-            "2,canopen/line3/pump1/output_frequency,\n");
+            "2,canopen/line3/pump1/output_frequency,,\n");
 }
 
 TEST(MapAsMarkdown, EscapesBars) {
@@ -121,4 +152,4 @@ TEST(MapFormats, AreKnownByName) {
 }
 
 }  // namespace
-}  // namespace config
+}  // namespace gateway
