@@ -25,6 +25,9 @@ struct Options {
 /// What the loader needs: the file, and every profile directory in the order in which it is searched.
 [[nodiscard]] config::LoadOptions load_options(const Options& options);
 
+/// Prints findings to standard error, each a line.
+void show_findings(const config::Findings& findings);
+
 /// Loads the configuration and prints its findings to standard error; nothing where there is an error.
 [[nodiscard]] std::optional<config::Model> load_or_complain(const Options& options);
 

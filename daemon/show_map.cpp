@@ -1,7 +1,7 @@
-#include <iostream>
-
 #include "daemon/commands.h"
+#include "daemon/descriptors.h"
 #include "daemon/map.h"
+#include "daemon/output.h"
 
 namespace gateway {
 
@@ -12,10 +12,10 @@ int show_map(const Options& options, const std::string& format) {
   }
   const std::optional<MapFormat> wanted = parse_map_format(format);
   if (!wanted) {
-    std::cerr << "unknown format " << format << '\n';
+    complain("unknown format " + format);
     return kUsage;
   }
-  std::cout << render_map(*model, *wanted);
+  print(render_map(*model, *wanted));
   return kDone;
 }
 
