@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "canopen/wire_bits.h"
+
 namespace canopen {
 namespace {
 
@@ -11,12 +13,7 @@ constexpr Duration kSlice = std::chrono::milliseconds(100);
 }  // namespace
 
 std::uint32_t bits_on_wire(const Frame& frame) noexcept {
-  const std::uint32_t data = frame.remote ? 0U : 8U * frame.size;
-  const std::uint32_t fixed = frame.extended ? 67U : 47U;
-  // Stuffed from start of frame to the CRC sequence: all but CRC delimiter, ACK, end of frame and the pause (ISO
-  // 11898-1).
-  const std::uint32_t stuffable = fixed - 13U + data;
-  return fixed + data + stuffable / 10U;
+  return wire_bits(frame.remote ? 0U : frame.size, Stuffing::usual, frame.extended);
 }
 
 void BusLoad::add(const Frame& frame, TimePoint at) noexcept {

@@ -8,10 +8,7 @@
 
 namespace canopen {
 
-/// Bits that a frame occupies on the wire, the pause of three bits behind it included: 47 + 8 per data byte (67 with a
-/// 29-bit identifier), and a tenth of the stuffable ones. Stuffing depends on the content: 1/30 for random data, 1/4 at
-/// worst, about 1/10 for process data with their many zero bytes. So the load shown is an estimate, good to a few
-/// percent of itself.
+/// What a frame is counted with: its bits on the wire with the usual stuffing, see wire_bits().
 [[nodiscard]] std::uint32_t bits_on_wire(const Frame& frame) noexcept;
 
 /// Bits seen in the last second, in tenths of a second.

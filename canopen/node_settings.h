@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -47,8 +48,20 @@ struct PdoSettings {
   std::vector<MappedObject> mapping{};              ///< At most 64 bits in all.
   /// TPDO: how often it comes (event timer or n SYNCs); zero: on change. Freshness hangs on it.
   Duration period{};
+  /// TPDO on change: two never come closer to each other (its inhibit time); zero: no such limit is known.
+  Duration shortest_period{};
   friend bool operator==(const PdoSettings&, const PdoSettings&) = default;
 };
+
+/// An RPDO whose reception the node supervises (its event timer, CiA 301 §7.5.2.35) is repeated this often once it was
+/// commanded: two repetitions may be lost before the event timer runs out. Zero: not repeated.
+[[nodiscard]] constexpr Duration repeat_time(const PdoSettings& rpdo) noexcept {
+  constexpr int kRepeatsPerEventTimer = 3;
+  constexpr Duration kFastestRepeat = std::chrono::milliseconds(5);
+  const Duration event_timer = std::chrono::milliseconds(rpdo.event_timer.value_or(0));
+  return event_timer == Duration::zero() ? Duration::zero()
+                                         : std::max(event_timer / kRepeatsPerEventTimer, kFastestRepeat);
+}
 
 /// Object 0x1000 and 0x1018 as they must be; nothing: not compared, nor read.
 struct ExpectedIdentity {

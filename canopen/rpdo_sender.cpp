@@ -7,21 +7,6 @@
 #include "canopen/bus.h"
 
 namespace canopen {
-namespace {
-
-// Two repetitions may be lost before the node's event timer runs out.
-constexpr int kRepeatsPerEventTimer = 3;
-constexpr Duration kFastestRepeat = std::chrono::milliseconds(5);
-
-Duration repeat_time(const PdoSettings& settings) noexcept {
-  const std::uint16_t event_timer = settings.event_timer.value_or(0);
-  if (event_timer == 0) {
-    return Duration::zero();
-  }
-  return std::max<Duration>(std::chrono::milliseconds(event_timer) / kRepeatsPerEventTimer, kFastestRepeat);
-}
-
-}  // namespace
 
 /// A place in the line of those who want to send.
 class RpdoSender::Turn {

@@ -19,9 +19,9 @@ struct Room {
   Headers allowed;
 };
 
-// Plain values: what a profile says about a node, and how it is named.
-constexpr std::array<std::string_view, 5> kConfig{"canopen/clock.h", "canopen/emcy.h", "canopen/error.h",
-                                                  "canopen/node_settings.h", "canopen/object.h"};
+// Plain values: what a profile says about a node, how it is named, and how long a frame is.
+constexpr std::array<std::string_view, 6> kConfig{"canopen/clock.h",         "canopen/emcy.h",   "canopen/error.h",
+                                                  "canopen/node_settings.h", "canopen/object.h", "canopen/wire_bits.h"};
 // The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
 constexpr std::array<std::string_view, 13> kProcess{
     "config/model.h",  "canopen/remote_node.h", "canopen/node_events.h", "canopen/node_settings.h", "canopen/object.h",

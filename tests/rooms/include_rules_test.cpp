@@ -26,6 +26,8 @@ TEST(IncludeRules, CanopenKnowsNobody) {
 
 TEST(IncludeRules, ConfigKnowsPlainValues) {
   EXPECT_TRUE(passes("config/model.h", "canopen/object.h"));
+  EXPECT_TRUE(passes("config/model.h", "canopen/wire_bits.h"));
+  EXPECT_FALSE(passes("config/model.h", "canopen/frame.h"));
   EXPECT_FALSE(passes("config/model.h", "canopen/link.h"));
   EXPECT_FALSE(passes("config/model.h", "canopen/remote_node.h"));
 }
