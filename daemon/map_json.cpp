@@ -4,6 +4,7 @@
 #include <boost/json/value.hpp>
 #include <utility>
 
+#include "config/bus_load.h"
 #include "config/text.h"
 #include "daemon/map.h"
 #include "daemon/map_text.h"
@@ -16,6 +17,19 @@ namespace json = boost::json;
 template <class T>
 json::value value_or_null(const std::optional<T>& value) {
   return value.has_value() ? json::value(*value) : json::value(nullptr);
+}
+
+json::object json_bus(const config::Model& model, std::size_t bus) {
+  const std::optional<config::BusLoad> load = config::forecast_load(model, bus);
+  json::object object;
+  object["name"] = model.buses[bus].name;
+  object["bitrate"] = value_or_null(model.buses[bus].bitrate);
+  object["load"] = load ? json::value(percent(load->usual)) : json::value(nullptr);
+  object["load_worst"] = load ? json::value(percent(load->worst)) : json::value(nullptr);
+  if (load && load->at_least) {
+    object["at_least"] = true;
+  }
+  return object;
 }
 
 json::value json_values(const config::Signal& signal) {
@@ -116,6 +130,10 @@ std::string render_map_json(const config::Model& model) {
   json::object map;
   map["gateway"] = model.gateway.name;
   map["base"] = base_topic(model);
+  json::array& buses = map["buses"].emplace_array();
+  for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
+    buses.emplace_back(json_bus(model, bus));
+  }
   json::array& drives = map["drives"].emplace_array();
   for (const config::Drive& drive : model.drives) {
     drives.emplace_back(json_drive(model, drive));

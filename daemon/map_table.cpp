@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdio>
 #include <vector>
 
+#include "config/bus_load.h"
 #include "config/text.h"
 #include "daemon/map.h"
 #include "daemon/map_text.h"
@@ -55,6 +57,28 @@ std::size_t width_of(std::string_view text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
+std::string percent_text(double share, bool at_least) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%s%.1f %%", at_least ? "at least " : "", percent(share));
+  return text.data();
+}
+
+/// `bus can0  250000 bit/s  load 27.3 %  worst 33.5 %`
+std::string bus_lines(const config::Model& model) {
+  std::string out;
+  for (std::size_t i = 0; i < model.buses.size(); ++i) {
+    const config::Bus& bus = model.buses[i];
+    out += "bus " + bus.name + "  ";
+    out += bus.bitrate ? std::to_string(*bus.bitrate) + " bit/s" : "no bitrate stated";
+    if (const std::optional<config::BusLoad> load = config::forecast_load(model, i)) {
+      out += "  load " + percent_text(load->usual, load->at_least);
+      out += "  worst " + percent_text(load->worst, load->at_least);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
 // Without these lines the addresses look served.
 std::string what_is_off(const config::Model& model) {
   std::string out;
@@ -89,7 +113,7 @@ std::string render_table(const config::Model& model) {
   for (const Row& row : rows) {
     line(row);
   }
-  return out + what_is_off(model);
+  return out + bus_lines(model) + what_is_off(model);
 }
 
 std::string csv_cell(std::string_view text) {

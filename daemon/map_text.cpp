@@ -1,5 +1,7 @@
 #include "daemon/map_text.h"
 
+#include <cmath>
+
 namespace gateway {
 namespace {
 
@@ -27,6 +29,10 @@ std::optional<std::string> set_topic(const config::Model& model, const config::D
 std::optional<config::ModbusPlace> modbus_place(const config::Drive& drive, const config::Signal& signal) {
   const bool mapped = drive.unit.has_value() && signal.modbus.kind != config::ModbusKind::none;
   return mapped ? std::optional(signal.modbus) : std::nullopt;
+}
+
+double percent(double share) noexcept {
+  return std::round(share * 1000.0) / 10.0;
 }
 
 std::string source_text(const config::Source& source) {

@@ -22,6 +22,9 @@ namespace gateway {
 /// Nothing for a signal, or a whole drive, that is not on Modbus.
 [[nodiscard]] std::optional<config::ModbusPlace> modbus_place(const config::Drive& drive, const config::Signal& signal);
 
+/// A share of a bus in percent, with one decimal: 0.27345 gives 27.3.
+[[nodiscard]] double percent(double share) noexcept;
+
 /// `tpdo1`, `rpdo1`, `sdo`.
 [[nodiscard]] std::string source_text(const config::Source& source);
 /// `read`, `write`, `read-write`.

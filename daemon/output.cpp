@@ -9,8 +9,6 @@
 namespace gateway {
 namespace {
 
-// Short against every heartbeat: the drives of a demo must not be lost because its terminal stands still.
-constexpr std::chrono::milliseconds kPatience(100);
 constexpr std::chrono::milliseconds kForEver(-1);
 
 std::error_code wait_until_writable(int descriptor, std::chrono::milliseconds patience) {
@@ -47,14 +45,14 @@ void print(std::string_view text) {
   }
 }
 
-LiveOutput::LiveOutput(int descriptor, std::function<void()> on_failure)
-    : descriptor_(descriptor), on_failure_(std::move(on_failure)) {}
+LiveOutput::LiveOutput(int descriptor, std::function<void()> on_failure, std::chrono::milliseconds patience)
+    : descriptor_(descriptor), on_failure_(std::move(on_failure)), patience_(patience) {}
 
 void LiveOutput::write(std::string_view text) {
   if (failure_) {
     return;
   }
-  const std::error_code outcome = write_text(descriptor_, text, kPatience);
+  const std::error_code outcome = write_text(descriptor_, text, patience_);
   if (outcome && outcome != std::errc::timed_out) {
     failure_ = outcome;
     on_failure_();

@@ -19,8 +19,11 @@ void print(std::string_view text);
 /// gateway must not wait for it; any other failure is final.
 class LiveOutput {
  public:
+  /// Short against every heartbeat: the drives of a demo must not be lost because its terminal stands still.
+  static constexpr std::chrono::milliseconds kPatience{100};
+
   /// `on_failure` is called once; nothing is written after that.
-  LiveOutput(int descriptor, std::function<void()> on_failure);
+  LiveOutput(int descriptor, std::function<void()> on_failure, std::chrono::milliseconds patience = kPatience);
 
   void write(std::string_view text);
   /// @throws std::system_error where writing has failed.
@@ -29,6 +32,7 @@ class LiveOutput {
  private:
   int descriptor_;
   std::function<void()> on_failure_;
+  std::chrono::milliseconds patience_;
   std::error_code failure_;
 };
 

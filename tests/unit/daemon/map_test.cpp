@@ -10,7 +10,9 @@
 namespace gateway {
 namespace {
 
+using std::chrono::milliseconds;
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -38,6 +40,7 @@ std::string compact(const std::string& json) {
 TEST(MapAsJson, IsThatOfTheContract) {
   const std::string text = render_map(line3(), MapFormat::json);
   EXPECT_EQ(compact(text), compact(R"({"gateway": "line3", "base": "canopen/line3",
+ "buses": [{"name": "can0", "bitrate": null, "load": null, "load_worst": null}],
  "drives": [{"name": "pump1", "bus": "can0", "node": 5, "profile": "own", "modbus_unit": 5,
    "signals": [{"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz",
                 "access": "read", "source": "tpdo1", "min": null, "max": null, "values": null,
@@ -48,7 +51,8 @@ TEST(MapAsJson, IsThatOfTheContract) {
 
 TEST(MapAsJson, HasASignalALineAndItsKeysInOrder) {
   EXPECT_EQ(render_map(line3(), MapFormat::json),
-            R"({"gateway": "line3", "base": "canopen/line3", "drives": [
+            R"({"gateway": "line3", "base": "canopen/line3", "buses": [
+  {"name": "can0", "bitrate": null, "load": null, "load_worst": null}], "drives": [
   {"name": "pump1", "bus": "can0", "node": 5, "profile": "own", "modbus_unit": 5, "signals": [
     {"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz", )"
             R"("access": "read", "source": "tpdo1", "min": null, "max": null, "values": null, )"
@@ -112,6 +116,7 @@ TEST(MapAsTable, AlignsItsColumnsAndTellsWhatIsOff) {
       "                          set  note\n"
       "pump1  output_frequency  0x2021:02  u16   0.01   °C    read    tpdo1             5: register 2  "
       "canopen/line3/pump1/output_frequency\n"
+      "bus can0  no bitrate stated\n"
       "Modbus is off: there is no [modbus] in the configuration; these would be the registers and bits.\n"
       "MQTT is off: there is no [mqtt] in the configuration; these would be the topics.\n");
 }
@@ -120,6 +125,40 @@ TEST(MapAsTable, SaysNothingOfWhatIsOn) {
   EXPECT_THAT(render_map(line3("[modbus]\n[mqtt]\n"), MapFormat::table), Not(HasSubstr(" off")));
   EXPECT_THAT(render_map(line3("[modbus]\n"), MapFormat::table),
               AllOf(Not(HasSubstr("Modbus is off")), HasSubstr("MQTT is off")));
+}
+
+/// A bus of 10 kbit/s with the gateway's heartbeat ten times a second and nothing else: ten frames of one byte, which
+/// have 55 bits, and 65 with all stuff bits they can have.
+config::Model slow_bus() {
+  config::Model model;
+  model.gateway.name = "line3";
+  model.buses.push_back({.name = "can0", .interface = "can0", .bitrate = 10'000, .heartbeat = milliseconds(100)});
+  return model;
+}
+
+TEST(MapBuses, HaveTheirForecastInPercentWithOneDecimal) {
+  const auto buses = boost::json::parse(render_map(slow_bus(), MapFormat::json)).at("buses").as_array();
+  ASSERT_EQ(buses.size(), 1U);
+  const boost::json::object& bus = buses[0].as_object();
+  EXPECT_EQ(bus.at("bitrate").as_int64(), 10'000);
+  EXPECT_EQ(bus.at("load_worst").as_double(), 6.5);
+  EXPECT_GE(bus.at("load").as_double(), 5.5);
+  EXPECT_LT(bus.at("load").as_double(), 6.5);
+  EXPECT_FALSE(bus.contains("at_least"));
+  EXPECT_THAT(render_map(slow_bus(), MapFormat::table),
+              ContainsRegex("\nbus can0  10000 bit/s  load [56]\\.[0-9] %  worst 6\\.5 %\n"));
+}
+
+TEST(MapBuses, AreMarkedWhereTheirLoadIsTheLeastThatCanBe) {
+  config::Model model = slow_bus();
+  config::Drive& drive = model.drives.emplace_back();
+  canopen::PdoSettings& on_change = drive.node.tpdos.emplace_back();
+  on_change.transmission_type = 254;
+  on_change.mapping.push_back({.object = {0x2021, 2}, .bits = 16});
+  const auto root = boost::json::parse(render_map(model, MapFormat::json));
+  EXPECT_TRUE(root.at("buses").at(0).at("at_least").as_bool());
+  EXPECT_THAT(render_map(model, MapFormat::table),
+              ContainsRegex("load at least [0-9]+\\.[0-9] %  worst at least [0-9]+\\.[0-9] %\n"));
 }
 
 TEST(MapNotes, MarkWhatIsUnconfirmed) {
