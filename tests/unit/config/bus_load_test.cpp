@@ -2,6 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "tests/unit/config/site.h"
+
 namespace config {
 namespace {
 
@@ -250,6 +257,32 @@ TEST(BusLoadForecast, MayBeMoreThanTheBusCarries) {
   Model model = model_with(tpdo_of(1, 1ms));
   model.buses[0].bitrate = 10000;
   EXPECT_GT(load_of(model).worst, 10);
+}
+
+/// `23 / 26 %`: usual and worst.
+std::string cell_of(int drives, int bitrate) {
+  std::string text = kBus + "bitrate = " + std::to_string(bitrate) + "\n";
+  for (int node = 1; node <= drives; ++node) {
+    text += "[[drive]]\nname = \"drive" + std::to_string(node) + "\"\nnode = " + std::to_string(node) +
+            "\nprofile = \"veichi-ac310\"\n";
+  }
+  const BusLoad load = load_of(model_of(text));
+  EXPECT_TRUE(load.at_least);
+  return std::to_string(std::lround(100 * load.usual)) + " / " + std::to_string(std::lround(100 * load.worst)) + " %";
+}
+
+TEST(TheManual, ShowsWhatIsForecastForVeichiDrives) {
+  std::string rows;
+  for (const int drives : {8, 16, 24, 32}) {
+    rows += "| " + std::to_string(drives) + " |";
+    for (const int bitrate : {125'000, 250'000, 500'000}) {
+      rows += " " + cell_of(drives, bitrate) + " |";
+    }
+    rows += "\n";
+  }
+  std::ifstream in(GATEWAY_SOURCE_DIR "/docs/CONFIGURATION.md");
+  const std::string manual{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(manual.find(rows), std::string::npos) << "the rows of the table under \"Bus load\" are now\n" << rows;
 }
 
 }  // namespace
