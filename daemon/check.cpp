@@ -1,19 +1,22 @@
-#include <iostream>
+#include <unistd.h>
 
 #include "daemon/commands.h"
+#include "daemon/descriptors.h"
+#include "daemon/output.h"
 
 namespace gateway {
 
 int check(const Options& options) {
   const config::Loaded loaded = config::load(load_options(options));
+  std::string text;
   for (const config::Finding& finding : loaded.findings) {
-    std::cout << to_string(finding) << '\n';
+    text += with_priority(STDOUT_FILENO, finding.level, to_string(finding)) + "\n";
   }
-  if (!loaded.model) {
-    return kConfigurationError;
+  if (loaded.model) {
+    text += config::summary(*loaded.model) + "\n";
   }
-  std::cout << config::summary(*loaded.model) << '\n';
-  return kDone;
+  print(text);
+  return loaded.model ? kDone : kConfigurationError;
 }
 
 }  // namespace gateway

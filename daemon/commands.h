@@ -16,7 +16,7 @@ namespace gateway {
 /// `check`: findings, then `ok: …` on standard output.
 [[nodiscard]] int check(const Options& options);
 
-/// `map`: every signal with its object, Modbus address and topics, in one of the formats of config/map.h.
+/// `map`: every signal with its object, Modbus address and topics, in one of the formats of map.h.
 [[nodiscard]] int show_map(const Options& options, const std::string& format);
 
 /// One simulated drive on the command line: `PROFILE:NODE`.

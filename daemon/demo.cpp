@@ -3,7 +3,6 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <exception>
-#include <iostream>
 #include <memory>
 #include <vector>
 
@@ -11,8 +10,10 @@
 #include "daemon/commands.h"
 #include "daemon/demo_config.h"
 #include "daemon/demo_screen.h"
+#include "daemon/descriptors.h"
 #include "daemon/gateway.h"
 #include "daemon/log.h"
+#include "daemon/output.h"
 #include "daemon/simulated_site.h"
 #include "daemon/stop_signal.h"
 
@@ -21,16 +22,14 @@ namespace {
 
 std::optional<config::Model> demo_model(const Options& options) {
   if (options.config_given) {
-    return load_or_complain(options);
+    return load_or_complain(options, Secrets::read);
   }
   config::LoadOptions load = load_options(options);
   load.file = "demo.toml";
   config::Loaded loaded = config::load_text(demo_config(), load);
   // Its warnings tell a plant what to look at; a demo has none to lose.
   if (!loaded.model) {
-    for (const config::Finding& finding : loaded.findings) {
-      std::cerr << to_string(finding) << '\n';
-    }
+    show_findings(loaded.findings);
   }
   return std::move(loaded.model);
 }
@@ -70,24 +69,27 @@ int demo(const Options& options) {
   const Log log(options.verbose);
   boost::asio::io_context loop(1);
   DemoBuses buses(loop.get_executor(), *model);
-  SimulatedSite site(loop.get_executor());
+  StopSignal stop(loop.get_executor());
+  LiveOutput output(STDOUT_FILENO, [&stop] { stop.stop(); });
+  const auto show = [&output](std::string_view text) { output.write(text); };
+  SimulatedSite site(loop.get_executor(), show);
   try {
     add_drives(site, buses, *model);
   } catch (const NotSimulated& reason) {
-    std::cerr << "canopen-gateway: " << reason.what() << '\n';
+    complain(reason.what());
     return kConfigurationError;
   }
   Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) { return buses.connect(bus); });
   gateway.start();
   site.start();
-  DemoScreen screen(loop.get_executor(), gateway.plant(), std::cout, isatty(STDOUT_FILENO) == 1);
+  DemoScreen screen(loop.get_executor(), gateway.plant(), show, isatty(STDOUT_FILENO) == 1);
   screen.start();
   boost::asio::co_spawn(
       loop,
-      [](Gateway& running, boost::asio::any_io_executor executor) -> boost::asio::awaitable<void> {
-        co_await stop_signal(executor);
+      [](Gateway& running, StopSignal& told) -> boost::asio::awaitable<void> {
+        co_await told.wait();
         co_await running.stop();
-      }(gateway, loop.get_executor()),
+      }(gateway, stop),
       [&](const std::exception_ptr& error) {
         if (error) {
           std::rethrow_exception(error);
@@ -97,6 +99,7 @@ int demo(const Options& options) {
         loop.stop();
       });
   loop.run();
+  output.require_written();
   return kDone;
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <ostream>
 #include <string_view>
 #include <utility>
 
@@ -120,12 +119,12 @@ void add_modbus_lines(std::string& text, const config::Model& model, const confi
 
 }  // namespace
 
-DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::ostream& out,
+DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, Output out,
                        bool often)
-    : plant_(plant), out_(out), timer_(executor), period_(often ? kOften : kSeldom) {}
+    : plant_(plant), out_(std::move(out)), timer_(executor), period_(often ? kOften : kSeldom) {}
 
 void DemoScreen::start() {
-  out_ << demo_guide(plant_.model()) << std::flush;
+  out_(demo_guide(plant_.model()));
   show();
 }
 
@@ -139,7 +138,7 @@ void DemoScreen::show() {
     if (error) {
       return;
     }
-    out_ << demo_table(plant_, canopen::Clock::now()) << std::flush;
+    out_(demo_table(plant_, canopen::Clock::now()));
     show();
   });
 }

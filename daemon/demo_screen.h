@@ -1,8 +1,9 @@
 #pragma once
 
 #include <boost/asio/any_io_executor.hpp>
-#include <iosfwd>
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
@@ -12,8 +13,10 @@ namespace gateway {
 /// What the demo shows: first what to try, then the drives as the gateway sees them, again and again.
 class DemoScreen {
  public:
+  using Output = std::function<void(std::string_view text)>;
+
   /// `often`: for a terminal, every other second; else every ten.
-  DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::ostream& out, bool often);
+  DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, Output out, bool often);
 
   void start();
   void stop();
@@ -22,7 +25,7 @@ class DemoScreen {
   void show();
 
   const process::Plant& plant_;
-  std::ostream& out_;
+  Output out_;
   canopen::Timer timer_;
   canopen::Duration period_;
 };

@@ -4,9 +4,11 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
-#include <cstdlib>
 #include <memory>
+
+#include "daemon/descriptors.h"
 
 namespace gateway {
 namespace {
@@ -42,8 +44,7 @@ class Priority final : public spdlog::custom_flag_formatter {
 
 std::unique_ptr<spdlog::formatter> make_formatter() {
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
-  // Set by systemd when standard error goes to the journal, which stamps the time itself.
-  const bool journal = std::getenv("JOURNAL_STREAM") != nullptr;  // NOLINT(concurrency-mt-unsafe): before any thread
+  const bool journal = is_journal(STDERR_FILENO);  // It stamps the time itself.
   formatter->add_flag<Priority>('Q').set_pattern(journal ? "%Q%v" : "%Y-%m-%dT%H:%M:%S.%e %^%-7l%$ %v");
   return formatter;
 }

@@ -5,7 +5,8 @@
 namespace gateway {
 
 /// Logging while one lives: asynchronous, never waited for. When the disk or the journal stalls, the oldest messages
-/// are dropped and counted. Under systemd each line carries its priority, elsewhere the time.
+/// are dropped and counted. On the journal each line carries its priority,
+/// elsewhere the time.
 class Log {
  public:
   explicit Log(bool verbose);

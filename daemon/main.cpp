@@ -1,10 +1,16 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <optional>
+#include <sstream>
 
 #include "daemon/commands.h"
+#include "daemon/descriptors.h"
+#include "daemon/output.h"
 
 namespace {
 
@@ -79,23 +85,39 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
   return gateway::simulate(line.options, line.interface, drives);
 }
 
+// Of --help and --version, and of what was wrong with the command line.
+int answer(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream out;
+  std::ostringstream wrong;
+  const int code = app.exit(error, out, wrong);
+  std::cerr << gateway::with_priority(STDERR_FILENO, config::Finding::Level::error, wrong.str());
+  gateway::print(out.str());
+  return code == 0 ? gateway::kDone : gateway::kUsage;
+}
+
+int obey(int argc, char** argv) {
+  CLI::App app("CANopen master with Modbus TCP and MQTT", "canopen-gateway");
+  CommandLine line;
+  describe(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return answer(app, error);
+  }
+  line.options.config_given = app.count("--config") > 0;
+  return carry_out(app, line);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    CLI::App app("CANopen master with Modbus TCP and MQTT", "canopen-gateway");
-    CommandLine line;
-    describe(app, line);
-    try {
-      app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-      const int code = app.exit(error);
-      return code == 0 ? gateway::kDone : gateway::kUsage;
-    }
-    line.options.config_given = app.count("--config") > 0;
-    return carry_out(app, line);
+    gateway::open_missing_descriptors();
+    // Whoever reads our output may go. Writing then fails, which commands tell, and `run` outlives.
+    std::signal(SIGPIPE, SIG_IGN);
+    return obey(argc, argv);
   } catch (const std::exception& error) {
-    std::cerr << "canopen-gateway: " << error.what() << '\n';
+    gateway::complain(error.what());
     return gateway::kFailed;
   }
 }

@@ -5,6 +5,8 @@
 #include <array>
 #include <iostream>
 
+#include "daemon/descriptors.h"
+
 namespace gateway {
 namespace {
 
@@ -30,11 +32,17 @@ config::LoadOptions load_options(const Options& options) {
   return load;
 }
 
-std::optional<config::Model> load_or_complain(const Options& options) {
-  config::Loaded loaded = config::load(load_options(options));
-  for (const config::Finding& finding : loaded.findings) {
-    std::cerr << to_string(finding) << '\n';
+void show_findings(const config::Findings& findings) {
+  for (const config::Finding& finding : findings) {
+    std::cerr << with_priority(STDERR_FILENO, finding.level, to_string(finding)) << '\n';
   }
+}
+
+std::optional<config::Model> load_or_complain(const Options& options, Secrets secrets) {
+  config::LoadOptions load = load_options(options);
+  load.with_secrets = secrets == Secrets::read;
+  config::Loaded loaded = config::load(load);
+  show_findings(loaded.findings);
   return std::move(loaded.model);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -25,7 +26,13 @@ struct Options {
 /// What the loader needs: the file, and every profile directory in the order in which it is searched.
 [[nodiscard]] config::LoadOptions load_options(const Options& options);
 
+/// Prints findings to standard error, each a line.
+void show_findings(const config::Findings& findings);
+
+/// Whether the file of the password is read, which only those who connect to a broker need.
+enum class Secrets : std::uint8_t { leave, read };
+
 /// Loads the configuration and prints its findings to standard error; nothing where there is an error.
-[[nodiscard]] std::optional<config::Model> load_or_complain(const Options& options);
+[[nodiscard]] std::optional<config::Model> load_or_complain(const Options& options, Secrets secrets);
 
 }  // namespace gateway

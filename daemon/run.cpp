@@ -29,8 +29,19 @@ void refuse_reloads(boost::asio::signal_set& hang_ups) {
   });
 }
 
-boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, boost::asio::any_io_executor executor) {
-  co_await stop_signal(executor);
+void warn_of_virtual_buses(const config::Model& model) {
+  for (const config::Bus& bus : model.buses) {
+    if (bus.interface == config::kVirtualInterface) {
+      spdlog::warn(
+          "bus {}: interface \"virtual\" is a bus inside this process, where no drive can be; it is for `demo`, which "
+          "simulates them",
+          bus.name);
+    }
+  }
+}
+
+boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, StopSignal& stop) {
+  co_await stop.wait();
   spdlog::info("stopping");
   supervision.stopping();
   co_await gateway.stop();
@@ -39,12 +50,14 @@ boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, b
 }  // namespace
 
 int run(const Options& options) {
-  const std::optional<config::Model> model = load_or_complain(options);
+  const std::optional<config::Model> model = load_or_complain(options, Secrets::read);
   if (!model) {
     return kConfigurationError;
   }
   const Log log(options.verbose);
+  warn_of_virtual_buses(*model);
   boost::asio::io_context loop(1);
+  StopSignal stop(loop.get_executor());
   std::vector<std::unique_ptr<canopen::VirtualBus>> in_process;  // One for each bus that wants it.
   Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) {
     if (bus.interface == config::kVirtualInterface) {
@@ -61,7 +74,7 @@ int run(const Options& options) {
   supervision.ready();
   spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),
                model->gateway.name);
-  boost::asio::co_spawn(loop, serve(gateway, supervision, loop.get_executor()), [&](const std::exception_ptr& error) {
+  boost::asio::co_spawn(loop, serve(gateway, supervision, stop), [&](const std::exception_ptr& error) {
     if (error) {
       std::rethrow_exception(error);
     }

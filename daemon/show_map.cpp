@@ -1,21 +1,21 @@
-#include <iostream>
-
-#include "config/map.h"
 #include "daemon/commands.h"
+#include "daemon/descriptors.h"
+#include "daemon/map.h"
+#include "daemon/output.h"
 
 namespace gateway {
 
 int show_map(const Options& options, const std::string& format) {
-  const std::optional<config::Model> model = load_or_complain(options);
+  const std::optional<config::Model> model = load_or_complain(options, Secrets::leave);
   if (!model) {
     return kConfigurationError;
   }
-  const std::optional<config::MapFormat> wanted = config::parse_map_format(format);
+  const std::optional<MapFormat> wanted = parse_map_format(format);
   if (!wanted) {
-    std::cerr << "unknown format " << format << '\n';
+    complain("unknown format " + format);
     return kUsage;
   }
-  std::cout << config::render_map(*model, *wanted);
+  print(render_map(*model, *wanted));
   return kDone;
 }
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -8,6 +9,8 @@
 #include "canopen/socketcan_link.h"
 #include "daemon/announced_link.h"
 #include "daemon/commands.h"
+#include "daemon/descriptors.h"
+#include "daemon/output.h"
 #include "daemon/simulated_site.h"
 #include "daemon/stop_signal.h"
 
@@ -44,25 +47,27 @@ void add_drives(SimulatedSite& site, const config::Model& model, const boost::as
 
 int simulate(const Options& options, const std::string& interface, const std::vector<SimulatedDrive>& drives) {
   boost::asio::io_context loop(1);
-  SimulatedSite site(loop.get_executor());
+  StopSignal stop(loop.get_executor());
+  LiveOutput output(STDOUT_FILENO, [&stop] { stop.stop(); });
+  SimulatedSite site(loop.get_executor(), [&output](std::string_view text) { output.write(text); });
   const bool by_configuration = interface.empty();
   try {
     if (!by_configuration) {
       add_drives(site, interface, drives, loop.get_executor());
-    } else if (const std::optional<config::Model> model = load_or_complain(options)) {
+    } else if (const std::optional<config::Model> model = load_or_complain(options, Secrets::leave)) {
       add_drives(site, *model, loop.get_executor());
     } else {
       return kConfigurationError;
     }
   } catch (const NotSimulated& reason) {
-    std::cerr << "canopen-gateway: " << reason.what() << '\n';
+    complain(reason.what());
     return by_configuration ? kConfigurationError : kUsage;
   }
   site.start();
-  std::cout << fmt::format("{} {} simulated; type help for what can be done to {}", site.drives().size(),
-                           site.drives().size() == 1 ? "drive" : "drives", site.drives().size() == 1 ? "it" : "them")
-            << std::endl;
-  boost::asio::co_spawn(loop, stop_signal(loop.get_executor()), [&](const std::exception_ptr& error) {
+  const bool one = site.drives().size() == 1;
+  output.write(fmt::format("{} {} simulated; type help for what can be done to {}\n", site.drives().size(),
+                           one ? "drive" : "drives", one ? "it" : "them"));
+  boost::asio::co_spawn(loop, stop.wait(), [&](const std::exception_ptr& error) {
     if (error) {
       std::rethrow_exception(error);
     }
@@ -70,6 +75,7 @@ int simulate(const Options& options, const std::string& interface, const std::ve
     loop.stop();
   });
   loop.run();
+  output.require_written();
   return kDone;
 }
 

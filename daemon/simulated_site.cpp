@@ -1,14 +1,13 @@
 #include "daemon/simulated_site.h"
 
-#include <iostream>
 #include <utility>
 
 namespace gateway {
 
-SimulatedSite::SimulatedSite(const boost::asio::any_io_executor& executor)
-    : executor_(executor), reader_(executor, [this](std::string_view line) {
+SimulatedSite::SimulatedSite(const boost::asio::any_io_executor& executor, Answers answers)
+    : executor_(executor), reader_(executor, [this, answers = std::move(answers)](std::string_view line) {
         if (const std::string answer = console_.execute(line); !answer.empty()) {
-          std::cout << answer << std::endl;
+          answers(answer + "\n");
         }
       }) {}
 

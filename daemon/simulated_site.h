@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/asio/any_io_executor.hpp>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -25,7 +26,10 @@ class NotSimulated : public std::runtime_error {
 /// Simulated drives on one or more buses, with a console on standard input.
 class SimulatedSite {
  public:
-  explicit SimulatedSite(const boost::asio::any_io_executor& executor);
+  /// Takes the lines that answer what came on standard input.
+  using Answers = std::function<void(std::string_view text)>;
+
+  explicit SimulatedSite(const boost::asio::any_io_executor& executor, Answers answers = [](std::string_view) {});
 
   /// A bus for drives to be added to; its position.
   std::size_t add_network(std::unique_ptr<canopen::Link> link);

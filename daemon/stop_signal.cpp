@@ -1,14 +1,24 @@
 #include "daemon/stop_signal.h"
 
-#include <boost/asio/signal_set.hpp>
+#include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <csignal>
 
 namespace gateway {
 
-boost::asio::awaitable<void> stop_signal(boost::asio::any_io_executor executor) {
-  boost::asio::signal_set signals(executor, SIGINT, SIGTERM);
-  co_await signals.async_wait(boost::asio::use_awaitable);
+StopSignal::StopSignal(const boost::asio::any_io_executor& executor) : signals_(executor, SIGINT, SIGTERM) {}
+
+void StopSignal::stop() {
+  stopped_ = true;
+  signals_.cancel();
+}
+
+boost::asio::awaitable<void> StopSignal::wait() {
+  boost::system::error_code ignored;  // Only stop() cancels it, and that ends the waiting too.
+  if (!stopped_) {
+    co_await signals_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+  }
+  signals_.clear(ignored);
 }
 
 }  // namespace gateway

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <boost/json/parse.hpp>
 #include <cstdlib>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "config/load.h"
-#include "config/map.h"
+#include "daemon/map.h"
 
 // What holds for every configuration that was read, whatever its text.
 
@@ -72,9 +73,12 @@ inline void require_sound(const Loaded& loaded) {
   for (const Drive& drive : loaded.model->drives) {
     require_drive(*loaded.model, drive);
   }
-  for (const auto format : {MapFormat::table, MapFormat::json, MapFormat::csv, MapFormat::markdown}) {
+  using gateway::MapFormat;
+  for (const auto format : {MapFormat::table, MapFormat::csv, MapFormat::markdown}) {
     require(!render_map(*loaded.model, format).empty());
   }
+  boost::system::error_code unreadable;
+  require(boost::json::parse(render_map(*loaded.model, MapFormat::json), unreadable).is_object() && !unreadable);
   require(summary(*loaded.model).starts_with("ok: "));
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "canopen/wire_bits.h"
+
 namespace canopen {
 namespace {
 
@@ -12,6 +14,13 @@ TEST(BusLoad, BitsOfAFrame) {
   EXPECT_EQ(bits_on_wire({.size = 8}), 111U + 9U);
   EXPECT_EQ(bits_on_wire({.size = 8, .extended = true}), 131U + 11U);
   EXPECT_EQ(bits_on_wire({.size = 8, .remote = true}), 47U + 3U) << "a remote request carries no data";
+}
+
+TEST(BusLoad, BitsOfAFrameAtWorst) {
+  // 3 703 frames of 8 bytes a second at 500 kbit/s.
+  EXPECT_EQ(wire_bits(8, Stuffing::worst), 135U);
+  EXPECT_EQ(wire_bits(8, Stuffing::worst, true), 160U);
+  EXPECT_EQ(wire_bits(0, Stuffing::worst), 55U);
 }
 
 TEST(BusLoad, AFullBusIsNeverMoreThanFull) {

@@ -1,49 +1,51 @@
-#include "config/map.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdio>
 #include <vector>
 
-#include "config/map_json.h"
+#include "config/bus_load.h"
 #include "config/text.h"
+#include "daemon/map.h"
+#include "daemon/map_text.h"
 
-namespace config {
+namespace gateway {
 namespace {
 
-constexpr std::size_t kColumns = 13;
+constexpr std::size_t kColumns = 14;
 using Row = std::array<std::string, kColumns>;
 
-constexpr std::array<std::string_view, kColumns> kHeadings{
-    "drive", "signal", "object", "type", "scale", "unit", "access", "source", "min", "max", "modbus", "topic", "set"};
+constexpr std::array<std::string_view, kColumns> kHeadings{"drive",  "signal", "object", "type", "scale",
+                                                           "unit",   "access", "source", "min",  "max",
+                                                           "modbus", "topic",  "set",    "note"};
 
 std::string number_of(const std::optional<double>& number) {
-  return number.has_value() ? to_text(*number) : "";
+  return number.has_value() ? config::to_text(*number) : "";
 }
 
 /// `5: register 2`, `5: register 200-201`, `5: bit 0`.
-std::string modbus_of(const Drive& drive, const Signal& signal) {
-  const ModbusPlace& place = signal.modbus;
-  if (!drive.unit.has_value() || place.kind == ModbusKind::none) {
+std::string modbus_of(const config::Drive& drive, const config::Signal& signal) {
+  const std::optional<config::ModbusPlace> place = modbus_place(drive, signal);
+  if (!place) {
     return "";
   }
-  std::string text = std::to_string(*drive.unit) + (place.kind == ModbusKind::bit ? ": bit " : ": register ") +
-                     std::to_string(place.address);
-  if (place.count > 1) {
-    text.append("-").append(std::to_string(place.address + place.count - 1));
+  std::string text = std::to_string(*drive.unit) + (place->kind == config::ModbusKind::bit ? ": bit " : ": register ") +
+                     std::to_string(place->address);
+  if (place->count > 1) {
+    text.append("-").append(std::to_string(place->address + place->count - 1));
   }
   return text;
 }
 
-std::vector<Row> rows_of(const Model& model) {
+std::vector<Row> rows_of(const config::Model& model) {
   std::vector<Row> rows;
-  for (const Drive& drive : model.drives) {
-    for (const Signal& signal : drive.signals) {
+  for (const config::Drive& drive : model.drives) {
+    for (const config::Signal& signal : drive.signals) {
       rows.push_back({drive.name, signal.name, canopen::to_string(signal.object),
-                      std::string(canopen::name_of(signal.type)), to_text(signal.scale), signal.unit,
-                      std::string(name_of(signal.access)), to_string(signal.source), number_of(signal.min),
+                      std::string(canopen::name_of(signal.type)), config::to_text(signal.scale), signal.unit,
+                      std::string(access_text(signal.access)), source_text(signal.source), number_of(signal.min),
                       number_of(signal.max), modbus_of(drive, signal), value_topic(model, drive, signal).value_or(""),
-                      set_topic(model, drive, signal).value_or("")});
+                      set_topic(model, drive, signal).value_or(""), signal.unconfirmed ? "unconfirmed" : ""});
     }
   }
   return rows;
@@ -55,7 +57,41 @@ std::size_t width_of(std::string_view text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-std::string render_table(const Model& model) {
+std::string percent_text(double share, bool at_least) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%s%.1f %%", at_least ? "at least " : "", percent(share));
+  return text.data();
+}
+
+/// `bus can0  250000 bit/s  load 27.3 %  worst 33.5 %`
+std::string bus_lines(const config::Model& model) {
+  std::string out;
+  for (std::size_t i = 0; i < model.buses.size(); ++i) {
+    const config::Bus& bus = model.buses[i];
+    out += "bus " + bus.name + "  ";
+    out += bus.bitrate ? std::to_string(*bus.bitrate) + " bit/s" : "no bitrate stated";
+    if (const std::optional<config::BusLoad> load = config::forecast_load(model, i)) {
+      out += "  load " + percent_text(load->usual, load->at_least);
+      out += "  worst " + percent_text(load->worst, load->at_least);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+// Without these lines the addresses look served.
+std::string what_is_off(const config::Model& model) {
+  std::string out;
+  if (!model.modbus) {
+    out += "Modbus is off: there is no [modbus] in the configuration; these would be the registers and bits.\n";
+  }
+  if (!model.mqtt) {
+    out += "MQTT is off: there is no [mqtt] in the configuration; these would be the topics.\n";
+  }
+  return out;
+}
+
+std::string render_table(const config::Model& model) {
   const auto rows = rows_of(model);
   std::array<std::size_t, kColumns> widths{};
   for (std::size_t i = 0; i < kColumns; ++i) {
@@ -77,7 +113,7 @@ std::string render_table(const Model& model) {
   for (const Row& row : rows) {
     line(row);
   }
-  return out;
+  return out + bus_lines(model) + what_is_off(model);
 }
 
 std::string csv_cell(std::string_view text) {
@@ -99,7 +135,7 @@ std::string markdown_cell(std::string_view text) {
   return cell;
 }
 
-std::string render_csv(const Model& model) {
+std::string render_csv(const config::Model& model) {
   std::string out;
   const auto line = [&out](const auto& cells) {
     for (std::size_t i = 0; i < kColumns; ++i) {
@@ -114,7 +150,7 @@ std::string render_csv(const Model& model) {
   return out;
 }
 
-std::string render_markdown(const Model& model) {
+std::string render_markdown(const config::Model& model) {
   std::string out;
   const auto line = [&out](const auto& cells) {
     for (const auto& cell : cells) {
@@ -148,7 +184,7 @@ std::optional<MapFormat> parse_map_format(std::string_view name) noexcept {
   return name == "markdown" ? std::optional(MapFormat::markdown) : std::nullopt;
 }
 
-std::string render_map(const Model& model, MapFormat format) {
+std::string render_map(const config::Model& model, MapFormat format) {
   switch (format) {
     case MapFormat::json:
       return render_map_json(model);
@@ -162,32 +198,4 @@ std::string render_map(const Model& model, MapFormat format) {
   return render_table(model);
 }
 
-std::string base_topic(const Model& model) {
-  return (model.mqtt.has_value() ? model.mqtt->base : Mqtt().base) + "/" + model.gateway.name;
-}
-
-std::string to_string(const Source& source) {
-  switch (source.kind) {
-    case SourceKind::tpdo:
-      return std::string("tpdo").append(std::to_string(source.number));
-    case SourceKind::rpdo:
-      return std::string("rpdo").append(std::to_string(source.number));
-    case SourceKind::sdo:
-      break;
-  }
-  return "sdo";
-}
-
-std::string_view name_of(Access access) noexcept {
-  switch (access) {
-    case Access::read:
-      return "read";
-    case Access::write:
-      return "write";
-    case Access::read_write:
-      break;
-  }
-  return "read-write";
-}
-
-}  // namespace config
+}  // namespace gateway

@@ -1,0 +1,62 @@
+#include "daemon/map_text.h"
+
+#include <cmath>
+
+namespace gateway {
+namespace {
+
+std::string topic_of(const config::Model& model, const config::Drive& drive, const config::Signal& signal) {
+  return base_topic(model) + "/" + drive.name + "/" + signal.name;
+}
+
+}  // namespace
+
+std::string base_topic(const config::Model& model) {
+  return (model.mqtt.has_value() ? model.mqtt->base : config::Mqtt().base) + "/" + model.gateway.name;
+}
+
+std::optional<std::string> value_topic(const config::Model& model, const config::Drive& drive,
+                                       const config::Signal& signal) {
+  const bool published = !model.mqtt.has_value() || model.mqtt->signals;
+  return readable(signal.access) && published ? std::optional(topic_of(model, drive, signal)) : std::nullopt;
+}
+
+std::optional<std::string> set_topic(const config::Model& model, const config::Drive& drive,
+                                     const config::Signal& signal) {
+  return writable(signal.access) ? std::optional(topic_of(model, drive, signal) + "/set") : std::nullopt;
+}
+
+std::optional<config::ModbusPlace> modbus_place(const config::Drive& drive, const config::Signal& signal) {
+  const bool mapped = drive.unit.has_value() && signal.modbus.kind != config::ModbusKind::none;
+  return mapped ? std::optional(signal.modbus) : std::nullopt;
+}
+
+double percent(double share) noexcept {
+  return std::round(share * 1000.0) / 10.0;
+}
+
+std::string source_text(const config::Source& source) {
+  switch (source.kind) {
+    case config::SourceKind::tpdo:
+      return "tpdo" + std::to_string(source.number);
+    case config::SourceKind::rpdo:
+      return "rpdo" + std::to_string(source.number);
+    case config::SourceKind::sdo:
+      break;
+  }
+  return "sdo";
+}
+
+std::string_view access_text(config::Access access) noexcept {
+  switch (access) {
+    case config::Access::read:
+      return "read";
+    case config::Access::write:
+      return "write";
+    case config::Access::read_write:
+      break;
+  }
+  return "read-write";
+}
+
+}  // namespace gateway
