@@ -152,7 +152,8 @@ std::string demo_guide(const config::Model& model) {
                   model.drives.front().node.node);
   if (model.mqtt) {
     text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
-                        model.mqtt->brokers.front().host, model.mqtt->brokers.front().port, model.mqtt->base, model.gateway.name);
+                        model.mqtt->brokers.front().host, model.mqtt->brokers.front().port, model.mqtt->base,
+                        model.gateway.name);
   }
   for (const config::Drive& drive : model.drives) {
     text += fmt::format("\n{} ({}, node {}):\n", drive.name, drive.profile, drive.node.node);
