@@ -10,6 +10,7 @@ install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING 
 
 file(READ systemd/canopen-gateway.service unit)
 string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_FULL_BINDIR}/" unit "${unit}")
+string(REPLACE "/usr/share/doc/canopen-gateway/" "${CMAKE_INSTALL_FULL_DOCDIR}/" unit "${unit}")
 file(WRITE "${CMAKE_BINARY_DIR}/canopen-gateway.service" "${unit}")
 install(FILES "${CMAKE_BINARY_DIR}/canopen-gateway.service" DESTINATION lib/systemd/system)
 install(FILES systemd/canopen-gateway.sysusers DESTINATION lib/sysusers.d RENAME canopen-gateway.conf)

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kVelocityMode = 2;  ///< 6060
 
-Traits make_traits() {
+Traits cia402_traits() {
   Traits traits;
   traits.device_type = 0x00010192;
   traits.device_name = "Simulated CiA 402 frequency converter";
@@ -80,7 +80,7 @@ Object choice(std::function<std::uint32_t()> read, std::uint32_t greatest, std::
 
 }  // namespace
 
-Cia402Drive::Cia402Drive() : traits_(make_traits()) {}
+Cia402Drive::Cia402Drive() : traits_(cia402_traits()) {}
 
 void Cia402Drive::start(Drive& drive) {
   drive_ = &drive;

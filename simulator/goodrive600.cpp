@@ -11,7 +11,7 @@ namespace simulator {
 namespace {
 
 constexpr std::uint8_t kFirstField = 3;  ///< sub-index of setting 1 and return 1
-constexpr double kJogHz = 5.0;
+constexpr double kGoodriveJogHz = 5.0;
 constexpr std::uint16_t kSetFrequency = 1;  ///< the only setting with an effect here
 
 }  // namespace
@@ -114,7 +114,7 @@ void Goodrive600::set(std::size_t field, std::uint16_t value) {
 }
 
 void Goodrive600::apply_target() {
-  drive_->motor().set_target(jogging_ ? kJogHz : frequency_hz_);
+  drive_->motor().set_target(jogging_ ? kGoodriveJogHz : frequency_hz_);
 }
 
 std::uint16_t Goodrive600::returned(std::size_t field) const {

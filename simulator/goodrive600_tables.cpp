@@ -15,7 +15,7 @@ constexpr std::uint32_t kFiller = map_value(0x0006, 0, 16);
 
 /// 1..240 at every n-th SYNC; 254 by the timer, without one on change; 255 by the timer, without one after the RPDO of
 /// the same number. TPDO1 answers RPDO1 and nothing else.
-std::optional<Triggers> triggers(std::uint8_t number, std::uint8_t type, std::uint16_t event) {
+std::optional<Triggers> goodrive_triggers(std::uint8_t number, std::uint8_t type, std::uint16_t event) {
   if (number == 1 && (type != 255 || event != 0)) {
     return std::nullopt;
   }
@@ -68,7 +68,7 @@ Traits goodrive600_traits() {
   pdo.inhibit_floor = std::chrono::milliseconds(50);
   pdo.length_errors = false;
   pdo.exact_length[0] = 6;
-  pdo.triggers = triggers;
+  pdo.triggers = goodrive_triggers;
   return traits;
 }
 

@@ -16,7 +16,7 @@ constexpr std::uint8_t kScalingRaw = 1;
 /// What the drive calls a fieldbus fault. The simulator's choice, after the Vacon drives' usual number.
 constexpr std::uint16_t kFieldbusFault = 53;
 
-Traits make_traits() {
+Traits opte6_traits() {
   Traits traits;
   traits.device_type = 0x00010192;  // CiA 402, frequency converter
   traits.device_name = "Vacon drive with OPTE6 (simulated)";
@@ -42,7 +42,7 @@ Traits make_traits() {
 
 }  // namespace
 
-Opte6::Opte6() : traits_(make_traits()) {}
+Opte6::Opte6() : traits_(opte6_traits()) {}
 
 void Opte6::start(Drive& drive) {
   drive_ = &drive;

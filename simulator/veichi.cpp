@@ -13,7 +13,7 @@
 namespace simulator {
 namespace {
 
-constexpr double kJogHz = 5.0;
+constexpr double kVeichiJogHz = 5.0;
 constexpr canopen::Duration kLifeBitPeriod = std::chrono::milliseconds(500);
 
 /// The manual's table of control commands is empty. These codes are the simulator's own choice, so that there is
@@ -197,7 +197,7 @@ Abort Veichi::set_frequency(std::uint32_t hundredths) {
 }
 
 void Veichi::apply_target() {
-  drive_->motor().set_target(jogging_ ? kJogHz : std::min(frequency_, upper_limit_) / 100.0);
+  drive_->motor().set_target(jogging_ ? kVeichiJogHz : std::min(frequency_, upper_limit_) / 100.0);
 }
 
 std::uint16_t Veichi::status() const {

@@ -11,7 +11,7 @@ namespace {
 
 /// Manual table 3.8: 0 at every SYNC, 1..240 at every n-th, 252 and 253 not supported, 254 on change, 255 on change or
 /// event time.
-std::optional<Triggers> triggers(std::uint8_t /*number*/, std::uint8_t type, std::uint16_t event) {
+std::optional<Triggers> veichi_triggers(std::uint8_t /*number*/, std::uint8_t type, std::uint16_t event) {
   Triggers result;
   if (type <= 240) {
     result.every_sync = std::max<std::uint8_t>(type, 1);
@@ -64,7 +64,7 @@ Traits veichi_traits(bool pdo_objects) {
   // "The control command and run status are mandatory mapping variables."
   pdo.mandatory_transmit = map_value(kVeichiControlBlock, 3, 16);
   pdo.mandatory_receive = map_value(kVeichiControlBlock, 2, 16);
-  pdo.triggers = triggers;
+  pdo.triggers = veichi_triggers;
   return traits;
 }
 

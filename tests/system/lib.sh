@@ -76,13 +76,48 @@ start_witness() {
 # The frames on the bus, with the kernel's time, in candump's log format.
 start_trace() {
   launch candump candump -L vcan0
-  wait_until 5 "candump runs" kill -0 "${started[candump]}"
+  catch_up
 }
 
-trace() { cat "$work/candump.out"; }
-trace_length() { wc -l <"$work/candump.out"; }
-# Lines of the trace after line N.
-trace_since() { tail -n +"$(($1 + 1))" "$work/candump.out"; }
+# Waits until candump wrote down everything that was on the bus before: a frame that means nothing to anybody (CiA 301
+# uses no COB-ID from 0x780 on but LSS's 0x7E4 and 0x7E5) is sent until it stands in the trace. One that was sent before
+# candump listened is lost, so it is sent again.
+catch_up() {
+  local end=$((SECONDS + 10)) frame
+  frame=7F0#$(printf '%08X' "$((catch_ups += 1))")
+  until grep -q " $frame\$" "$work/candump.out"; do
+    kill -0 "${started[candump]}" 2>/dev/null || fail "candump has ended"
+    [ "$SECONDS" -lt "$end" ] || fail "candump does not write what is on the bus"
+    cansend vcan0 "$frame"
+    sleep 0.05
+  done
+}
+catch_ups=0
+
+# mark: from here on expect_frames and expect_no_frames look.
+mark() {
+  catch_up
+  marked=$(wc -l <"$work/candump.out")
+}
+marked=0
+
+# Frames since the mark that match an extended regular expression.
+frames() { tail -n +"$((marked + 1))" "$work/candump.out" | grep -E -- "$1"; }
+
+# expect_frames WHAT COUNT PATTERN: as many since the mark
+expect_frames() {
+  local found
+  catch_up
+  found=$(frames "$3")
+  [ "$(grep -c . <<<"$found")" = "$2" ] || fail "$1: expected $2 frames, got: $found"
+  checks=$((checks + 1))
+}
+expect_no_frames() { expect_frames "$1" 0 "$2"; }
+
+# What commands the drives of these nodes, as patterns for candump's lines: RPDOs and SDO downloads (CiA 301, 7.2.4.3:
+# commands 0x00 to 0x3F, of blocks 0xC0 to 0xDF), and NMT. The gateway's polls are uploads.
+commands_to() { printf ' [2-5]0[%s]#| 60[%s]#[0-3CD]' "$1" "$1"; }
+nmt=' 000#'
 
 # Simulated drives with a console: order NODE VERB … makes one misbehave.
 start_drives() {
@@ -134,6 +169,11 @@ retained() { mosquitto_sub -h 127.0.0.1 -p "$broker_port" -C 1 -W 2 -t "$topics/
 
 # field TOPIC JQ-EXPRESSION: of a retained JSON
 field() { retained "$1" | jq -r "$2"; }
+
+# The broker keeps nothing there. That it keeps the gateway's status shows that the question was answered.
+is_emptied() {
+  [ "$(mosquitto_sub -h 127.0.0.1 -p "$broker_port" -W 1 -F %t -t "$topics/status" -t "$1" 2>/dev/null)" = "$topics/status" ]
+}
 
 is_retained() { [ "$(retained "$1")" = "$2" ]; }
 field_is() { [ "$(field "$1" "$2")" = "$3" ]; }

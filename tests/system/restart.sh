@@ -23,7 +23,7 @@ say "kill -9 and start again"
 kill -9 "${started[gateway]}"
 wait "${started[gateway]}" 2>/dev/null
 wait_until 5 "the will says so" is_retained status offline
-frames=$(trace_length)
+mark
 begin=$(date +%s%3N)
 start_gateway
 wait_until 5 "values live again" register_is 5 2 3000
@@ -33,25 +33,24 @@ say "all four drives online after $(($(date +%s%3N) - begin)) ms"
 wait_until 5 "MQTT too" is_retained pump1/status online
 wait_until 5 "MQTT values" is_retained pump1/output_frequency 30.00
 say "on MQTT after $(($(date +%s%3N) - begin)) ms"
-expect "no NMT command" "" "$(trace_since "$frames" | grep -E ' 000#')"
-expect "no RPDO" "" "$(trace_since "$frames" | grep -E ' [2-5]0[3579]#')"
-expect "no SDO write" "" "$(trace_since "$frames" | grep -E ' 60[3579]#2')"
+expect_no_frames "no NMT command" "$nmt"
+expect_no_frames "no RPDO, no SDO write" "$(commands_to 3579)"
 expect "the motor still runs" 30.00 "$(drive_says 5 frequency)"
 wait_until 10 "the alarm is confirmed again" field_is fan1/alarm/emcy .confirmed true
 expect "it is active" true "$(field fan1/alarm/emcy .active)"
 expect "and still the same alarm" "$alarm" "$(field fan1/alarm/emcy .id)"
 
 say "a set-point does not carry the old run command"
-frames=$(trace_length)
+mark
 expect "set-point" written "$(write_registers 5 101 2500)"
-expect "no RPDO" "" "$(trace_since "$frames" | grep -E ' 205#')"
-expect "one SDO write" 1 "$(trace_since "$frames" | grep -cE ' 605#2B302001C4090000')"
+expect_frames "one SDO write, no RPDO" 1 "$(commands_to 5)"
+expect_frames "of the set-point" 1 ' 605#2B302001C4090000'
 
 say "the broker restarts"
 kill "${started[mosquitto]}"
 wait "${started[mosquitto]}" 2>/dev/null
 wait_until 20 "the gateway notices" register_is 0 4 0
-frames=$(trace_length)
+mark
 start_broker
 wait_until 30 "connected again" register_is 0 4 1
 wait_until 5 "everything retained is there again" is_retained status online
@@ -59,4 +58,4 @@ for drive in fan1 pump1 hoist1 mixer1; do
   wait_until 5 "$drive" is_retained "$drive/status" online
 done
 wait_until 5 "the alarm" field_is fan1/alarm/emcy .active true
-expect "nothing was sent to a drive" "" "$(trace_since "$frames" | grep -E ' (000|[2-5]0[3579])#')"
+expect_no_frames "nothing was sent to a drive" "$nmt|$(commands_to 3579)"

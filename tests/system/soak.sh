@@ -31,7 +31,7 @@ trouble() { # once around
   order 9 mute off
   order 3 reboot
   write_registers 7 101 "$((2000 + RANDOM % 1000))" >/dev/null
-  expect "an offline or running drive is told" written "$(write_registers 7 100 5)"
+  expect "hoist1 is told to stop" written "$(write_registers 7 100 5)"
   all_well
 }
 

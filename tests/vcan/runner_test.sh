@@ -22,7 +22,7 @@ export OUTSIDE=$outside PASSED_ON='two  words'
 "$run" -t 60 -w "$outside/shared" -- bash -c '
   cd /tmp || exit 1
   candump -n 1 -L vcan0 >heard & listener=$!
-  until grep -q "vcan0" /proc/net/can/rcvlist_all; do :; done
+  until grep -q "^ *vcan0 " /proc/net/can/rcvlist_all; do :; done  # not "(vcan0: no entry)"
   cansend vcan0 185#0102030405060708
   wait $listener && cut -d" " -f3 heard
   cat /sys/class/net/vcan0/tx_queue_len
@@ -43,7 +43,7 @@ if grep -q '|uml$' "$outside/out"; then
   # Inside the user-mode kernel CAN and root are there: the other way of running, a namespace, is taken.
   inside=$("$run" -t 60 -- "$run" -t 20 -- bash -c '
     candump -n 1 -L vcan0 >/tmp/heard & listener=$!
-    until grep -q "vcan0" /proc/net/can/rcvlist_all; do :; done
+    until grep -q "^ *vcan0 " /proc/net/can/rcvlist_all; do :; done  # not "(vcan0: no entry)"
     cansend vcan0 185#11; wait $listener
     echo "$VCAN_KERNEL $(cut -d" " -f3 /tmp/heard)"; exit 9')
   check "exit status of a network namespace" 9 $?

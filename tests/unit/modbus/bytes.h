@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -32,9 +34,12 @@ inline Bytes hex(std::string_view text) {
 inline Bytes frame(std::uint8_t unit, std::string_view pdu, std::uint16_t transaction = 1) {
   const Bytes body = hex(pdu);
   const std::size_t length = body.size() + 1;
-  Bytes bytes{static_cast<std::uint8_t>(transaction >> 8), static_cast<std::uint8_t>(transaction), 0,   0,
-              static_cast<std::uint8_t>(length >> 8),      static_cast<std::uint8_t>(length),      unit};
-  bytes.insert(bytes.end(), body.begin(), body.end());
+  // In one piece: of a vector that grows g++ 12 believes, when it inlines, that it may write behind the first seven.
+  const std::array<std::uint8_t, 7> header{
+      static_cast<std::uint8_t>(transaction >> 8), static_cast<std::uint8_t>(transaction), 0,   0,
+      static_cast<std::uint8_t>(length >> 8),      static_cast<std::uint8_t>(length),      unit};
+  Bytes bytes(header.size() + body.size());
+  std::copy(body.begin(), body.end(), std::copy(header.begin(), header.end(), bytes.begin()));
   return bytes;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint8_t kNode = 5;
+constexpr std::uint8_t kPuppetNode = 5;
 
 void put(std::span<std::uint8_t> bytes, std::uint64_t value) {
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -44,7 +44,7 @@ std::string text_of(const Bytes& frame) {
 Site::Site(config::Model model)
     : model_(std::move(model)),
       can_(loop_.executor()),
-      puppet_(can_, kNode),
+      puppet_(can_, kPuppetNode),
       bus_(loop_.executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}),
       plant_(loop_.executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}),
       bus_state_(bus_.subscribe_state([this](const canopen::BusState& state) { plant_.set_bus_state(0, state); })),

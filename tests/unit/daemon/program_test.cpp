@@ -1,0 +1,112 @@
+// The real program as a process: exit codes, signals, and what it tells the service manager. It has a bus inside of
+// itself, where nobody else is.
+
+#include "tests/unit/daemon/program.h"
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/unit/daemon/notify_socket.h"
+
+namespace gateway {
+namespace {
+
+using test::NotifySocket;
+using test::Program;
+using test::TemporaryFile;
+using testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+constexpr int kNoSuccess = 1;
+constexpr int kWrongUsage = 2;
+constexpr int kWrongConfiguration = 78;
+
+const std::string kSite =
+    "[gateway]\nname = \"line3\"\n[[bus]]\nname = \"can0\"\ninterface = \"virtual\"\n"
+    "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"veichi-ac310\"\n";
+
+Words with(const TemporaryFile& file, const std::string& command) {
+  return {"--config", file.path(), "--profile-dir", GATEWAY_SOURCE_DIR "/config/profiles", command};
+}
+
+TEST(ExitCode, OfWrongUsageIs2) {
+  for (const Words& words : {Words{}, Words{"fly"}, Words{"check", "--fast"}, Words{"map", "--format", "xml"},
+                             Words{"simulate", "--interface", "vcan0", "--drive", "veichi-ac310"},
+                             Words{"simulate", "--interface", "vcan0", "--drive", "no-such-kind:5"}}) {
+    Program program(words);
+    EXPECT_EQ(program.exit_code(), kWrongUsage) << testing::PrintToString(words) << program.output();
+    EXPECT_NE(program.output(), "") << testing::PrintToString(words) << " says nothing";
+  }
+}
+
+TEST(ExitCode, OfAWrongConfigurationIs78) {
+  const TemporaryFile wrong(kSite + "hearbeat = 5\n");
+  for (const std::string command : {"check", "map", "run", "simulate", "demo"}) {
+    Program program(with(wrong, command));
+    EXPECT_EQ(program.exit_code(), kWrongConfiguration) << command << ": " << program.output();
+    EXPECT_THAT(program.output(), HasSubstr("unknown key \"hearbeat\"")) << command;
+  }
+}
+
+TEST(ExitCode, OfARunThatCannotListenIs1) {
+  const TemporaryFile site(kSite + "[modbus]\nlisten = [\"192.0.2.1:1502\"]\n");  // for documents only: RFC 5737
+  Program program(with(site, "run"));
+  EXPECT_EQ(program.exit_code(), kNoSuccess) << program.output();
+  EXPECT_THAT(program.output(), HasSubstr("cannot listen on 192.0.2.1:1502"));
+}
+
+TEST(ExitCode, OfWhatWasDoneIs0) {
+  const TemporaryFile site(kSite);
+  for (const Words& words : {Words{"--version"}, Words{"--help"}, with(site, "check"), with(site, "map")}) {
+    Program program(words);
+    EXPECT_EQ(program.exit_code(), 0) << testing::PrintToString(words) << program.output();
+  }
+}
+
+class Running : public testing::Test {
+ protected:
+  NotifySocket manager_;
+  TemporaryFile site_{kSite};
+  Program program_{with(site_, "run"),
+                   {"NOTIFY_SOCKET=" + manager_.name(), "WATCHDOG_USEC=300000", "JOURNAL_STREAM=1:2"}};
+};
+
+class RunningUntilASignal : public Running, public testing::WithParamInterface<int> {};
+
+TEST_P(RunningUntilASignal, TellsTheServiceManagerFromItsStartToItsEnd) {
+  ASSERT_TRUE(program_.says("<6>canopen-gateway ")) << program_.output();
+  EXPECT_EQ(manager_.next(), "READY=1");
+  EXPECT_EQ(manager_.next(), "WATCHDOG=1");
+  EXPECT_EQ(manager_.next(), "STATUS=0 of 1 drives online");
+  EXPECT_EQ(manager_.next(), "WATCHDOG=1");
+  program_.signal(GetParam());
+  std::optional<std::string> last = manager_.next();
+  while (last == "WATCHDOG=1") {
+    last = manager_.next();
+  }
+  EXPECT_EQ(last, "STOPPING=1");
+  EXPECT_EQ(program_.exit_code(), 0) << program_.output();
+  EXPECT_THAT(program_.output(), HasSubstr("<6>stopped; 0 log messages were dropped"));
+  EXPECT_THAT(manager_.heard(), testing::IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(EndedBy, RunningUntilASignal, testing::Values(SIGTERM, SIGINT));
+
+TEST_F(Running, RefusesToReloadAndGoesOn) {
+  ASSERT_TRUE(program_.says(" serves ")) << program_.output();
+  for (int i = 0; i < 2; ++i) {
+    program_.signal(SIGHUP);
+    ASSERT_TRUE(program_.says("<4>reload is not supported")) << program_.output();
+  }
+  (void)manager_.heard();
+  EXPECT_EQ(manager_.next(), "WATCHDOG=1") << "its loop turns";
+  program_.signal(SIGTERM);
+  EXPECT_EQ(program_.exit_code(), 0) << program_.output();
+}
+
+}  // namespace
+}  // namespace gateway
