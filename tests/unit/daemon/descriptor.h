@@ -1,10 +1,12 @@
 #pragma once
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -32,6 +34,15 @@ class Descriptor {
  private:
   int descriptor_ = -1;
 };
+
+/// What JOURNAL_STREAM holds where this file is the journal: its device and inode (systemd.exec(5)).
+[[nodiscard]] inline std::string as_journal(int descriptor) {
+  struct stat status{};
+  if (::fstat(descriptor, &status) != 0) {
+    throw std::runtime_error("no such descriptor");
+  }
+  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
+}
 
 struct Pipe {
   Descriptor out;  ///< Is read from.

@@ -1,11 +1,12 @@
 #include "daemon/descriptors.h"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstdlib>
+
+#include "tests/unit/daemon/descriptor.h"
 
 namespace gateway {
 namespace {
@@ -23,12 +24,7 @@ class JournalTest : public testing::Test {
   }
 
   /// As the service manager does it for a service.
-  static void name_as_journal(int descriptor) {
-    struct stat status{};
-    ASSERT_EQ(::fstat(descriptor, &status), 0);
-    const std::string name = std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
-    ::setenv("JOURNAL_STREAM", name.c_str(), 1);
-  }
+  static void name_as_journal(int descriptor) { ::setenv("JOURNAL_STREAM", test::as_journal(descriptor).c_str(), 1); }
 
   std::array<int, 2> ends_{-1, -1};
 };

@@ -24,11 +24,13 @@ class LogTest : public testing::Test {
   // The end of a Log ends all logging of the process; the next test has it again.
   ~LogTest() override { spdlog::set_default_logger(before_); }
 
-  /// What is written while a Log lives.
+  /// What is written while a Log lives, to a file or to what counts as the journal.
   template <class Work>
-  static std::string written(bool verbose, Work work) {
+  static std::string written(bool verbose, Work work, bool to_journal = false) {
     testing::internal::CaptureStderr();
     {
+      const test::Environment journal("JOURNAL_STREAM",
+                                      to_journal ? std::optional(test::as_journal(STDERR_FILENO)) : std::nullopt);
       const Log log(verbose);
       work();
     }
@@ -47,13 +49,11 @@ class LogTest : public testing::Test {
 };
 
 TEST_F(LogTest, TellsTheJournalThePriorityOfEachLine) {
-  const test::Environment journal("JOURNAL_STREAM", "8:12345");
-  EXPECT_EQ(written(true, speak_at_every_level), "<7>looks\n<6>works\n<4>wonders\n<3>fails\n<2>ends\n");
+  EXPECT_EQ(written(true, speak_at_every_level, true), "<7>looks\n<6>works\n<4>wonders\n<3>fails\n<2>ends\n");
 }
 
 TEST_F(LogTest, LeavesOutDebugMessagesUnlessAsked) {
-  const test::Environment journal("JOURNAL_STREAM", "8:12345");
-  EXPECT_EQ(written(false, speak_at_every_level), "<6>works\n<4>wonders\n<3>fails\n<2>ends\n");
+  EXPECT_EQ(written(false, speak_at_every_level, true), "<6>works\n<4>wonders\n<3>fails\n<2>ends\n");
 }
 
 TEST_F(LogTest, GivesTimeAndLevelElsewhere) {

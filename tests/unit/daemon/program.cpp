@@ -36,6 +36,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
     environment.emplace_back(*variable);
   }
   Pipe pipe = make_pipe();
+  environment.insert(environment.begin(), "JOURNAL_STREAM=" + as_journal(pipe.in.get()));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);

@@ -15,7 +15,7 @@ namespace gateway::test {
 /// canopen-gateway as a process of its own, with standard input at its end. No wait is longer than 30 s.
 class Program {
  public:
-  /// `variables`: `NAME=value`, in its environment besides ours.
+  /// `variables`: `NAME=value`, in its environment besides ours. What it writes counts as going to the journal.
   explicit Program(const std::vector<std::string>& arguments, const std::vector<std::string>& variables = {});
   ~Program();
   Program(const Program&) = delete;

@@ -71,8 +71,7 @@ class Running : public testing::Test {
  protected:
   NotifySocket manager_;
   TemporaryFile site_{kSite};
-  Program program_{with(site_, "run"),
-                   {"NOTIFY_SOCKET=" + manager_.name(), "WATCHDOG_USEC=300000", "JOURNAL_STREAM=1:2"}};
+  Program program_{with(site_, "run"), {"NOTIFY_SOCKET=" + manager_.name(), "WATCHDOG_USEC=300000"}};
 };
 
 class RunningUntilASignal : public Running, public testing::WithParamInterface<int> {};
