@@ -6,8 +6,8 @@
 #include "config/drive/profile.h"
 #include "config/site/site.h"
 #include "config/site/site_keys.h"
-#include "config/toml/files.h"
 #include "config/toml/document.h"
+#include "config/toml/files.h"
 
 namespace config {
 namespace {

@@ -13,6 +13,30 @@ std::optional<std::size_t> Drive::find(std::string_view signal_name) const noexc
   return static_cast<std::size_t>(found - signals.begin());
 }
 
+std::string to_text(const Source& source) {
+  switch (source.kind) {
+    case SourceKind::tpdo:
+      return "tpdo" + std::to_string(source.number);
+    case SourceKind::rpdo:
+      return "rpdo" + std::to_string(source.number);
+    case SourceKind::sdo:
+      break;
+  }
+  return "sdo";
+}
+
+std::string_view to_text(Access access) noexcept {
+  switch (access) {
+    case Access::read:
+      return "read";
+    case Access::write:
+      return "write";
+    case Access::read_write:
+      break;
+  }
+  return "read-write";
+}
+
 bool is_momentary(const Signal& signal, canopen::Raw raw) noexcept {
   return (raw & signal.momentary_mask) != 0 ||
          std::find(signal.momentary.begin(), signal.momentary.end(), raw) != signal.momentary.end();

@@ -90,6 +90,11 @@ struct Signal {
   friend bool operator==(const Signal&, const Signal&) = default;
 };
 
+/// `read`, `write`, `read-write`.
+[[nodiscard]] std::string_view to_text(Access access) noexcept;
+/// `tpdo1`, `rpdo1`, `sdo`.
+[[nodiscard]] std::string to_text(const Source& source);
+
 /// A value that is forgotten once sent: no later RPDO repeats it.
 [[nodiscard]] bool is_momentary(const Signal& signal, canopen::Raw raw) noexcept;
 

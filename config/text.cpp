@@ -144,22 +144,26 @@ std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped
   return std::pair(*object, *type);
 }
 
-std::optional<std::int64_t> parse_cob_id(std::string_view text, std::uint8_t node) {
-  const auto plus = text.find('+');
-  if (plus == std::string_view::npos) {
-    return parse_integer(trim(text));
-  }
+std::optional<CobId> parse_cob_id(std::string_view text) {
   constexpr std::string_view kNodeId = "$NODEID";
+  constexpr std::int64_t kLast = 0x7FF;
+  const auto plus = text.find('+');
   const std::string_view left = trim(text.substr(0, plus));
-  const std::string_view right = trim(text.substr(plus + 1));
-  if (left != kNodeId && right != kNodeId) {
+  const std::string_view right = plus == std::string_view::npos ? "" : trim(text.substr(plus + 1));
+  const bool plus_node = plus != std::string_view::npos;
+  if (plus_node && left != kNodeId && right != kNodeId) {
     return std::nullopt;
   }
-  const auto offset = parse_integer(left == kNodeId ? right : left);
-  if (!offset.has_value() || *offset < 0 || *offset > 0x7FF) {
+  const auto number = parse_integer(plus_node && left == kNodeId ? right : left);
+  if (!number.has_value() || *number < (plus_node ? 0 : 1) || *number > kLast) {
     return std::nullopt;
   }
-  return *offset + node;
+  return CobId{.base = *number, .plus_node = plus_node};
+}
+
+std::optional<std::int64_t> parse_decimal(std::string_view text) {
+  const bool digits = !text.empty() && std::all_of(text.begin(), text.end(), is_digit);
+  return digits && (text.size() == 1 || text.front() != '0') ? parse_integer(text) : std::nullopt;
 }
 
 }  // namespace config

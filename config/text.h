@@ -32,6 +32,7 @@ namespace config {
 [[nodiscard]] bool is_name(std::string_view text) noexcept;
 /// The rule for signal names: [a-z][a-z0-9_]*, at most 64 characters.
 [[nodiscard]] bool is_signal_name(std::string_view text) noexcept;
+inline constexpr std::string_view kSignalNameRule = "lower case letters, digits and '_', beginning with a letter";
 /// Free text: no control characters, at most 200 bytes.
 [[nodiscard]] bool is_plain_text(std::string_view text) noexcept;
 
@@ -39,7 +40,15 @@ namespace config {
 [[nodiscard]] std::optional<canopen::ObjectAddress> parse_stated_object(std::string_view text);
 /// `0x2021:02 u16`: an object as a PDO maps it.
 [[nodiscard]] std::optional<std::pair<canopen::ObjectAddress, canopen::DataType>> parse_mapped(std::string_view text);
-/// `$NODEID+0x180` or `0x180+$NODEID` for this node, or a plain number.
-[[nodiscard]] std::optional<std::int64_t> parse_cob_id(std::string_view text, std::uint8_t node);
+/// A COB-ID as it is stated: a number, or one that the node id is added to.
+struct CobId {
+  std::int64_t base = 0;
+  bool plus_node = false;
+  friend bool operator==(const CobId&, const CobId&) = default;
+};
+/// `$NODEID+0x180`, `0x180+$NODEID`, or a plain number, 1..0x7FF.
+[[nodiscard]] std::optional<CobId> parse_cob_id(std::string_view text);
+/// A decimal number without a sign, and without a leading 0 unless it is 0.
+[[nodiscard]] std::optional<std::int64_t> parse_decimal(std::string_view text);
 
 }  // namespace config

@@ -26,9 +26,7 @@ json::object json_bus(const config::Model& model, std::size_t bus) {
   object["bitrate"] = value_or_null(model.buses[bus].bitrate);
   object["load"] = load ? json::value(percent(load->usual)) : json::value(nullptr);
   object["load_worst"] = load ? json::value(percent(load->worst)) : json::value(nullptr);
-  if (load && load->at_least) {
-    object["at_least"] = true;
-  }
+  object["at_least"] = load && load->at_least;
   return object;
 }
 
@@ -60,8 +58,8 @@ json::object json_signal(const config::Model& model, const config::Drive& drive,
   object["type"] = canopen::name_of(signal.type);
   object["scale"] = signal.scale;
   object["unit"] = signal.unit;
-  object["access"] = access_text(signal.access);
-  object["source"] = source_text(signal.source);
+  object["access"] = to_text(signal.access);
+  object["source"] = to_text(signal.source);
   object["min"] = value_or_null(signal.min);
   object["max"] = value_or_null(signal.max);
   object["values"] = json_values(signal);

@@ -43,7 +43,7 @@ std::vector<Row> rows_of(const config::Model& model) {
     for (const config::Signal& signal : drive.signals) {
       rows.push_back({drive.name, signal.name, canopen::to_string(signal.object),
                       std::string(canopen::name_of(signal.type)), config::to_text(signal.scale), signal.unit,
-                      std::string(access_text(signal.access)), source_text(signal.source), number_of(signal.min),
+                      std::string(to_text(signal.access)), to_text(signal.source), number_of(signal.min),
                       number_of(signal.max), modbus_of(drive, signal), value_topic(model, drive, signal).value_or(""),
                       set_topic(model, drive, signal).value_or(""), signal.unconfirmed ? "unconfirmed" : ""});
     }

@@ -35,28 +35,4 @@ double percent(double share) noexcept {
   return std::round(share * 1000.0) / 10.0;
 }
 
-std::string source_text(const config::Source& source) {
-  switch (source.kind) {
-    case config::SourceKind::tpdo:
-      return "tpdo" + std::to_string(source.number);
-    case config::SourceKind::rpdo:
-      return "rpdo" + std::to_string(source.number);
-    case config::SourceKind::sdo:
-      break;
-  }
-  return "sdo";
-}
-
-std::string_view access_text(config::Access access) noexcept {
-  switch (access) {
-    case config::Access::read:
-      return "read";
-    case config::Access::write:
-      return "write";
-    case config::Access::read_write:
-      break;
-  }
-  return "read-write";
-}
-
 }  // namespace gateway

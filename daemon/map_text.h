@@ -25,9 +25,4 @@ namespace gateway {
 /// A share of a bus in percent, with one decimal: 0.27345 gives 27.3.
 [[nodiscard]] double percent(double share) noexcept;
 
-/// `tpdo1`, `rpdo1`, `sdo`.
-[[nodiscard]] std::string source_text(const config::Source& source);
-/// `read`, `write`, `read-write`.
-[[nodiscard]] std::string_view access_text(config::Access access) noexcept;
-
 }  // namespace gateway

@@ -15,7 +15,8 @@ namespace gateway {
 /// Writes the whole text to standard output. @throws std::system_error
 void print(std::string_view text);
 
-/// Standard output of a command that goes on for long. Text that a stalled terminal does not take is lost, since the
+/// Standard output of a command that goes on for long. Text that a stalled terminal does not take is lost where its
+/// descriptor does not block (it does so while standard input is the same terminal), since the
 /// gateway must not wait for it; any other failure is final.
 class LiveOutput {
  public:

@@ -6,30 +6,6 @@
 namespace mqtt {
 namespace {
 
-std::string_view access_text(config::Access access) {
-  switch (access) {
-    case config::Access::read:
-      return "read";
-    case config::Access::write:
-      return "write";
-    case config::Access::read_write:
-      break;
-  }
-  return "read-write";
-}
-
-std::string source_text(const config::Source& source) {
-  switch (source.kind) {
-    case config::SourceKind::tpdo:
-      return "tpdo" + std::to_string(source.number);
-    case config::SourceKind::rpdo:
-      return "rpdo" + std::to_string(source.number);
-    case config::SourceKind::sdo:
-      break;
-  }
-  return "sdo";
-}
-
 void append_names(ObjectText& object, const config::Signal& signal) {
   if (signal.values.empty()) {
     object.null("values");
@@ -49,8 +25,8 @@ void append_signal(std::string& out, const config::Signal& signal, const std::st
   object.text("type", canopen::name_of(signal.derived ? canopen::DataType::boolean : signal.type));
   object.number("scale", signal.scale);
   object.text("unit", signal.unit);
-  object.text("access", access_text(signal.access));
-  object.text("source", source_text(signal.source));
+  object.text("access", to_text(signal.access));
+  object.text("source", to_text(signal.source));
   object.number("min", signal.min);
   object.number("max", signal.max);
   append_names(object, signal);

@@ -67,7 +67,8 @@ class Placer {
  private:
   void error(const SignalDraft& signal, const std::string& text) {
     const bool addressed = signal.said->table->find("address") != nullptr;
-    draft_.error(place_of(*signal.said, addressed ? "address" : "as"), "signal \"" + signal.signal.name + "\" " + text);
+    draft_.error(place_of(*signal.said, addressed ? "address" : "as", {"type", "object", "as", "address"}),
+                 "signal \"" + signal.signal.name + "\" " + text);
   }
 
   static ModbusPlace shape_of(const SignalDraft& signal) {
@@ -115,18 +116,23 @@ class Placer {
       return;
     }
     place.address = stated.has_value() ? static_cast<std::uint16_t>(*stated) : *fixed;
-    check(signal, fixed);
+    if (!check(signal, fixed)) {
+      return;
+    }
     const auto same =
         std::find_if(placed_.begin(), placed_.end(), [&](const auto* p) { return overlaps(p->signal.modbus, place); });
     if (same != placed_.end()) {
-      error(signal, "overlaps \"" + (*same)->signal.name + "\" at Modbus address " +
-                        std::to_string((*same)->signal.modbus.address) + "; " + free_for(place) + " is free");
+      const Place at = in_the_site(place_of(*signal.said, "address"), place_of(*(*same)->said, "address"));
+      draft_.error(at, "signal \"" + signal.signal.name + "\" overlaps \"" + (*same)->signal.name +
+                           "\" at Modbus address " + std::to_string((*same)->signal.modbus.address) + "; " +
+                           free_for(place) + " is free");
       return;
     }
     placed_.push_back(&signal);
   }
 
-  void check(const SignalDraft& signal, std::optional<std::uint16_t> fixed) {
+  /// False where the address cannot be, and the signal is not placed.
+  bool check(const SignalDraft& signal, std::optional<std::uint16_t> fixed) {
     const ModbusPlace& place = signal.signal.modbus;
     const unsigned past = place.address + unsigned{place.count};
     const std::string at = "Modbus address " + std::to_string(place.address);
@@ -143,7 +149,10 @@ class Placer {
     } else if (place.count > 1 && place.address % 2 != 0) {
       error(signal, "takes " + std::to_string(place.count) + " registers and needs an even address, not " +
                         std::to_string(place.address));
+    } else {
+      return true;
     }
+    return false;
   }
 
   DriveDraft& draft_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/drive/builder.h"
+#include "config/site/endpoint.h"
 #include "config/text.h"
 #include "config/toml/document.h"
 
@@ -16,6 +17,16 @@ Place command_place(const DriveDraft& draft, std::string_view key) {
   return stated ? place_of(*commands, key) : draft.site.place;
 }
 
+/// No client of write_from can reach one of the addresses to listen on.
+bool nobody_can_write(const Modbus& modbus) {
+  return std::none_of(modbus.write_from.begin(), modbus.write_from.end(), [&modbus](const Network& from) {
+    return std::any_of(modbus.read_from.begin(), modbus.read_from.end(),
+                       [&from](const Network& read) { return meet(read, from); }) &&
+           std::any_of(modbus.listen.begin(), modbus.listen.end(),
+                       [&from](const Endpoint& listen) { return can_arrive(from, listen); });
+  });
+}
+
 /// Why nobody that `writers` names can command the drive in one of their ways; empty where he can.
 std::string way_is_off(const DriveDraft& draft, std::string_view way) {
   if (way == "mqtt") {
@@ -27,7 +38,10 @@ std::string way_is_off(const DriveDraft& draft, std::string_view way) {
   if (!draft.drive.unit.has_value()) {
     return "the drive has unit = \"none\"";
   }
-  return draft.model.modbus->write_from.empty() ? "modbus.write_from is empty" : "";
+  if (draft.model.modbus->write_from.empty()) {
+    return "modbus.write_from is empty";
+  }
+  return nobody_can_write(*draft.model.modbus) ? "no client of modbus.write_from can connect (read_from, listen)" : "";
 }
 
 void advise_on_writers(const DriveDraft& draft) {
@@ -40,12 +54,25 @@ void advise_on_writers(const DriveDraft& draft) {
   }
 }
 
+/// An RPDO that is really sent, and so armed and repeated: of those in use, each field of it known and one commanded.
+bool is_sent(const DriveDraft& draft, std::uint16_t number) {
+  const auto& rpdos = draft.drive.node.rpdos;
+  return std::any_of(rpdos.begin(), rpdos.end(), [number](const canopen::PdoSettings& rpdo) {
+    const auto has = [&rpdo](canopen::FieldUse use) {
+      return std::any_of(rpdo.mapping.begin(), rpdo.mapping.end(),
+                         [use](const auto& field) { return field.use == use; });
+    };
+    return rpdo.number == number && has(canopen::FieldUse::commanded) && !has(canopen::FieldUse::unnamed);
+  });
+}
+
 /// The drive notices by itself when commands stop coming: by our heartbeat, or by the time between RPDOs where the
 /// profile says that it has that timer.
 bool is_supervised(const DriveDraft& draft) {
   return draft.drive.node.error_control.supervise_gateway != Duration::zero() ||
-         std::any_of(draft.rpdos.begin(), draft.rpdos.end(), [](const PdoDraft& rpdo) {
-           return rpdo.said->keys.supervised && rpdo.settings.event_timer.value_or(0) != 0;
+         std::any_of(draft.rpdos.begin(), draft.rpdos.end(), [&draft](const PdoDraft& rpdo) {
+           return rpdo.said->keys.supervised && rpdo.settings.event_timer.value_or(0) != 0 &&
+                  is_sent(draft, rpdo.settings.number);
          });
 }
 
@@ -57,7 +84,7 @@ void advise_on_supervision(const DriveDraft& draft) {
       "takes commands, but nothing stops it when writer or gateway is gone; set supervise_gateway where the drive can, "
       "and its own communication timeout where it cannot";
   for (const PdoDraft& rpdo : draft.rpdos) {
-    if (rpdo.settings.event_timer.value_or(0) != 0) {
+    if (rpdo.settings.event_timer.value_or(0) != 0 && !rpdo.said->keys.supervised) {
       text += ". The event_timer of " + rpdo.said->name + " counts only with " + rpdo.said->name +
               ".supervised = true: say so where the drive is known to have that timer";
     }
@@ -94,7 +121,11 @@ void advise_on_rpdos(const DriveDraft& draft) {
 void advise_on_deadline(const DriveDraft& draft) {
   const Duration deadline = draft.drive.commands.deadline;
   const Duration timeout = draft.drive.node.sdo.timeout;
-  if (deadline >= 2 * timeout || (deadline == Commands().deadline && timeout == canopen::SdoSettings().timeout)) {
+  const Node* const commands = read_table(draft.site, "commands");
+  const Node* const sdo = read_table(draft.merged, "sdo");
+  const bool stated = (commands != nullptr && commands->find("deadline") != nullptr) ||
+                      (sdo != nullptr && sdo->find("timeout") != nullptr);
+  if (deadline >= 2 * timeout || !stated) {
     return;
   }
   draft.warning(command_place(draft, "deadline"),
@@ -124,8 +155,8 @@ void advise_on_unconfirmed(const DriveDraft& draft) {
   }
   if (!names.empty()) {
     draft.warning(draft.site.place, "not established for this drive: " + names +
-                                        ". Compare them with what it shows itself; unconfirmed = false ends this "
-                                        "warning");
+                                        ". Compare them with what it shows itself, then write unconfirmed = false in "
+                                        "[drive.signals.NAME] or [drive.tpdoN]");
   }
 }
 

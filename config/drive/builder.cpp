@@ -108,7 +108,9 @@ void take_own_keys(DriveDraft& draft) {
     draft.error(place_of(draft.site, "name"), "the name is that of a fixed topic; choose another");
   }
   check_heartbeat(draft);
-  check_supervision(draft);
+  if (drive.bus < draft.model.buses.size()) {
+    check_supervision(draft);
+  }
 }
 
 Drive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library, Report& report) {

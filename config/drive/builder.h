@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <string_view>
@@ -48,11 +49,19 @@ struct DriveDraft {
   void warning(Place place, const std::string& text) const { report.warning(place, where + ": " + text); }
 };
 
-/// Where a key of a table stands; the table's name where it has none.
+/// Where a key of a table stands; the table's name where it has none. Where that is a profile, and the site's file says
+/// one of `others` in this table, it stands there: what the site wrote does not fit the profile.
 template <class S>
-[[nodiscard]] Place place_of(const Said<S>& said, std::string_view key) {
+[[nodiscard]] Place place_of(const Said<S>& said, std::string_view key,
+                             std::initializer_list<std::string_view> others = {}) {
   const Node* const value = said.table->find(key);
-  return value == nullptr ? said.place : value->place;
+  Place place = value == nullptr ? said.place : value->place;
+  for (const std::string_view other : others) {
+    if (const Node* const beside = said.table->find(other); beside != nullptr) {
+      place = in_the_site(place, beside->place);
+    }
+  }
+  return place;
 }
 
 /// CiA 301 §7.4.7: data types stand for dummy entries of a mapping.

@@ -35,7 +35,7 @@ std::string remedy_of(std::string_view name, const Node& table) {
     all += (all.empty() ? "" : ", ") + entry.key;
   }
   const auto near = nearest(name, names);
-  return near.empty() ? "there are " + all : "nearest is " + in_quotes(near);
+  return !near.empty() ? "nearest is " + in_quotes(near) : all.empty() ? "there are none" : "there are " + all;
 }
 
 void lay_presets(DriveDraft& draft, const Profile& profile) {

@@ -62,11 +62,7 @@ const SectionOf<Commands>& commands_section() {
 }
 
 KeyOf<DriveKeys> slots_key(std::string_view name, std::string_view meaning) {
-  const auto form = numbered_texts(1, kLastSlot);
-  return KeyOf<DriveKeys>::checked(
-             name, form.type, Layering::replace, nullptr,
-             [read = form.read](const Node& node, const Complaint& complain) { (void)read(node, complain); }, meaning)
-      .unset("the profile's");
+  return KeyOf<DriveKeys>::checked(name, numbered_texts(1, kLastSlot), meaning).unset("the profile's");
 }
 
 }  // namespace

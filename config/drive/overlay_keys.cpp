@@ -199,13 +199,7 @@ const SectionOf<OverlayKeys>& overlay_section() {
   using Self = OverlayKeys;
   using Field = KeyOf<Self>;
   const auto signals = [] {
-    auto key = Field::checked(
-        "signals", "tables by name", Layering::by_name, &signal_section(),
-        [](const Node& node, const Complaint& complain) {
-          check_named(node, signal_section(), is_signal_name,
-                      "lower case letters, digits and '_', beginning with a letter", complain);
-        },
-        "By name.");
+    auto key = named_key<Self>("signals", signal_section(), is_signal_name, kSignalNameRule, "By name.");
     key.fill = [](const Entry& entry, Self& into) {
       for (const Entry& signal : entry.value.entries) {
         if (signal.value.kind == NodeKind::table && is_signal_name(signal.key)) {

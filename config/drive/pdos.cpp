@@ -119,15 +119,31 @@ class PdoTaker {
             "transmission type " + std::to_string(type) + " needs SYNC; set sync of bus \"" + draft_.bus.name + "\"");
     }
     if (is_rpdo_) {
+      take_event_timer();
       return;
     }
     // Type 0 comes with a SYNC, but only after a change; 254 and 255 are cyclic by their event timer.
     pdo_.period = synchronous ? draft_.bus.sync * type : Duration(milliseconds(pdo_.event_timer.value_or(0)));
     pdo_.shortest_period = keys_.inhibit_time.value_or(Duration::zero());
     if (!synchronous && keys_.inhibit_time > keys_.event_timer && pdo_.event_timer.value_or(0) != 0) {
-      draft_.warning(place_of(said_, "inhibit_time"), said_.name + ": inhibit_time \"" + to_text(*keys_.inhibit_time) +
-                                                          "\" is above event_timer \"" + to_text(*keys_.event_timer) +
-                                                          "\" and holds it back; make it shorter");
+      draft_.warning(place_of(said_, "inhibit_time", {"event_timer"}),
+                     said_.name + ": inhibit_time \"" + to_text(*keys_.inhibit_time) + "\" is above event_timer \"" +
+                         to_text(*keys_.event_timer) + "\" and holds it back; make it shorter");
+    }
+  }
+
+  /// An RPDO is repeated three times per event timer, but not faster than every 5 ms.
+  void take_event_timer() {
+    constexpr std::uint16_t kTooShort = 5;
+    constexpr std::uint16_t kShort = 10;
+    const std::uint16_t timer = pdo_.event_timer.value_or(0);
+    if (timer != 0 && timer <= kTooShort) {
+      error("event_timer", "event_timer \"" + to_text(*keys_.event_timer) +
+                               "\" is shorter than an RPDO can be repeated (5 ms), so the drive would trip");
+    } else if (timer != 0 && timer < kShort) {
+      draft_.warning(place_of(said_, "event_timer"), said_.name + ": event_timer \"" + to_text(*keys_.event_timer) +
+                                                         "\" is below twice the shortest repetition (5 ms), so one " +
+                                                         "late frame trips the drive");
     }
   }
 
@@ -166,7 +182,8 @@ void check_cob_ids(const DriveDraft& draft) {
       });
       if (same != seen.end()) {
         draft.error(in_the_site(place_of(*pdo.said, "cob_id"), place_of(*(*same)->said, "cob_id")),
-                    pdo.said->name + " has the COB-ID " + to_hex(pdo.settings.cob_id) + " of " + (*same)->said->name);
+                    pdo.said->name + " has the COB-ID " + to_hex(pdo.settings.cob_id) + " of " + (*same)->said->name +
+                        "; give one of them another cob_id");
       }
       seen.push_back(&pdo);
     }

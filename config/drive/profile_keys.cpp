@@ -21,24 +21,16 @@ const SectionOf<Slots>& slots_section() {
 
 const SectionOf<SlotKeys>& slot_section() {
   using Field = KeyOf<SlotKeys>;
-  const auto standard = numbered_texts(1, kLastSlot);
   static const SectionOf<SlotKeys> section(
       "slots.settings, slots.returns",
       {Field("objects", &SlotKeys::objects, list("list of strings", object()),
              "The freely assigned objects, from number 1.")
+           .filled()
            .required(),
-       Field::checked(
-           "standard", standard.type, Layering::replace, nullptr,
-           [read = standard.read](const Node& node, const Complaint& complain) { (void)read(node, complain); },
-           "What they mean where the site states nothing."),
+       Field::checked("standard", numbered_texts(1, kLastSlot), "What they mean where the site states nothing."),
        Field("unconfirmed", &SlotKeys::unconfirmed, text(), "Why `check` warns until the site states them."),
-       Field::checked(
-           "meanings", "tables by name", Layering::by_name, &signal_section(),
-           [](const Node& node, const Complaint& complain) {
-             check_named(node, signal_section(), is_signal_name,
-                         "lower case letters, digits and '_', beginning with a letter", complain);
-           },
-           "The signals to choose from, without `object`.")
+       named_key<SlotKeys>("meanings", signal_section(), is_signal_name, kSignalNameRule,
+                           "The signals to choose from, without `object`.")
            .required()});
   return section;
 }
@@ -50,12 +42,8 @@ const SectionOf<ProfileKeys>& profile_section() {
       {Field("title", &ProfileKeys::title, text(), "What drive this is.").required(),
        Field("extends", &ProfileKeys::extends, name(), "A profile that this one is laid over."),
        Field("partial", &ProfileKeys::partial, boolean(), "`true`: only to be extended, no drive by itself."),
-       Field::checked(
-           "presets", "tables by name", Layering::by_name, &preset_section(),
-           [](const Node& node, const Complaint& complain) {
-             check_named(node, preset_section(), is_name, "1 to 32 letters, digits, '_' or '-'", complain);
-           },
-           "What a drive can switch on by name."),
+       named_key<ProfileKeys>("presets", preset_section(), is_name, "1 to 32 letters, digits, '_' or '-'",
+                              "What a drive can switch on by name."),
        Field::checked(
            "slots", "table", Layering::table, &slots_section(),
            [](const Node& node, const Complaint& complain) { check_table(node, slots_section(), complain); },

@@ -53,12 +53,14 @@ class SignalTaker {
  private:
   [[nodiscard]] bool states(std::string_view key) const { return said_.table->find(key) != nullptr; }
   void error(std::string_view key, const std::string& text) {
-    draft_.error(place_of(said_, key), "signal \"" + said_.name + "\" " + text);
+    draft_.error(place_of(said_, key, {"from", "object", "access", "type", "scale"}),
+                 "signal \"" + said_.name + "\" " + text);
   }
 
   bool take_derived() {
-    constexpr std::array kWithout{"object", "type",      "scale",          "source", "min", "max",
-                                  "values", "momentary", "momentary_mask", "as",     "poll"};
+    constexpr std::array kWithout{"object", "type", "scale",    "unit",        "source",
+                                  "min",    "max",  "values",   "momentary",   "momentary_mask",
+                                  "as",     "poll", "deadband", "publish_mask"};
     for (const auto* const key : kWithout) {
       if (states(key)) {
         error(key, std::string(key) + " has no meaning beside from");
@@ -68,8 +70,12 @@ class SignalTaker {
       error("access", "is read out of another one and cannot be written");
     }
     if (keys_.negative == states("mask")) {
-      error("from", "needs either mask or negative = true");
+      draft_.error(place_of(said_, "from", {"negative", "mask"}),
+                   "signal \"" + said_.name + "\" needs either mask or negative = true");
       return false;
+    }
+    if (keys_.negative && states("equals")) {
+      error("equals", "equals has no meaning beside negative");
     }
     Derived derived;
     derived.mask = static_cast<std::uint64_t>(keys_.mask.value_or(0));
@@ -94,6 +100,11 @@ class SignalTaker {
         explain_unknown();
       }
       return false;
+    }
+    for (const auto* const key : {"mask", "equals", "negative"}) {
+      if (states(key)) {
+        error(key, std::string(key) + " has a meaning only beside from");
+      }
     }
     signal_.object = *keys_.object;
     signal_.type = *keys_.type;

@@ -32,6 +32,8 @@ class Complaint {
 
   /// `commands.deadline`; empty at the root.
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
+  /// The path as it stands between brackets in the site's file: `bus`, `drive.setup`.
+  [[nodiscard]] std::string header() const { return (where_.starts_with("drive ") ? "drive." : "") + path_; }
   [[nodiscard]] bool at_root() const noexcept { return path_.empty() && where_.empty(); }
 
  private:

@@ -120,6 +120,10 @@ Form<std::string> text() {
                                as_it_is);
 }
 
+Form<std::string> filled_text() {
+  return {.type = "string", .read = read_short_text, .show = as_it_is};
+}
+
 Form<std::string> name() {
   return notation<std::string>("name", "1 to 32 letters, digits, '_' or '-'", "", text_that(is_name), as_it_is);
 }
@@ -177,12 +181,11 @@ Form<CobId> cob_id() {
               const auto number = integer(1, kLast).read(node, complain);
               return number.has_value() ? std::optional(CobId{.base = *number}) : std::nullopt;
             }
-            const auto number = parse_cob_id(node.text, 0);
-            if (!number.has_value()) {
+            const auto stated = parse_cob_id(node.text);
+            if (!stated.has_value()) {
               complain.value(node.place, in_quotes(node.text) + " must be a number or \"$NODEID+0x180\"");
-              return std::nullopt;
             }
-            return CobId{.base = *number, .plus_node = node.text.find('$') != std::string::npos};
+            return stated;
           },
           .show = {}};
 }

@@ -29,12 +29,6 @@ struct Form {
 /// What an object of milliseconds in 16 bits holds (0x1016, 0x1017, event timers).
 inline constexpr std::chrono::milliseconds kLongest16(65535);
 
-/// A COB-ID as it is stated: a number, or one that the node id is added to.
-struct CobId {
-  std::int64_t base = 0;
-  bool plus_node = false;
-};
-
 /// A Modbus unit as it is stated; nothing: `"none"`.
 struct Unit {
   std::optional<std::uint8_t> number;
@@ -54,6 +48,8 @@ bool expect(const Node& node, NodeKind kind, const Complaint& complain, std::str
 [[nodiscard]] Form<double> number();
 /// Free text of at most 200 bytes without control characters.
 [[nodiscard]] Form<std::string> text();
+/// The same of at least one byte.
+[[nodiscard]] Form<std::string> filled_text();
 /// [A-Za-z0-9_-]{1,32}
 [[nodiscard]] Form<std::string> name();
 struct DurationRule {
@@ -132,6 +128,11 @@ template <class T>
   return {.type = std::move(type),
           .read = [read = item.read](const Node& node, const Complaint& complain) -> std::optional<std::vector<T>> {
             if (!expect(node, NodeKind::list, complain)) {
+              return std::nullopt;
+            }
+            constexpr std::size_t kMost = 1000;
+            if (node.items.size() > kMost) {
+              complain.value(node.place, "has more than 1000 entries");
               return std::nullopt;
             }
             std::vector<T> values;

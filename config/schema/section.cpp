@@ -10,9 +10,13 @@ namespace {
 
 constexpr std::int64_t kLastPdo = 512;
 
+bool is_pattern(std::string_view key) {
+  return key.ends_with('N');
+}
+
 /// `tpdo12` for the key `tpdoN`.
 bool is_numbered(std::string_view pattern, std::string_view name) {
-  if (!pattern.ends_with('N') || !name.starts_with(pattern.substr(0, pattern.size() - 1))) {
+  if (!is_pattern(pattern) || !name.starts_with(pattern.substr(0, pattern.size() - 1))) {
     return false;
   }
   const std::string_view digits = name.substr(pattern.size() - 1);
@@ -23,7 +27,9 @@ bool is_numbered(std::string_view pattern, std::string_view name) {
 void collect_names(const Section& section, std::vector<std::string_view>& names) {
   for (const Section* at = &section; at != nullptr; at = at->also()) {
     for (const Key& key : at->keys()) {
-      names.push_back(key.name);
+      if (!is_pattern(key.name)) {
+        names.push_back(key.name);
+      }
     }
   }
 }
@@ -58,8 +64,8 @@ void check_entry(const Entry& entry, const Section& section, const Complaint& co
                   "unknown key " + in_quotes(below.path()) + "; " + remedy_of(entry.key, section, complain));
   } else if (!key->built) {
     const bool heads_table = entry.value.kind == NodeKind::table && complain.at_root();
-    complain.tell(entry.key_place,
-                  (heads_table ? "[" + below.path() + "]" : below.path()) + " is not supported by this version");
+    complain.tell(entry.key_place, (heads_table ? "[" + below.path() + "]" : below.path()) +
+                                       " is not supported by this version; leave it out");
   } else {
     key->check(entry.value, below);
   }
@@ -95,7 +101,7 @@ void render(const Section& section, std::vector<const Section*>& done, std::stri
 const Key* Section::find(std::string_view name) const noexcept {
   for (const Section* at = this; at != nullptr; at = at->also_) {
     for (const Key& key : at->keys_) {
-      if (key.name == name || is_numbered(key.name, name)) {
+      if (is_pattern(key.name) ? is_numbered(key.name, name) : key.name == name) {
         return &key;
       }
     }
@@ -121,7 +127,7 @@ void check_table(const Node& table, const Section& section, const Complaint& com
 
 void check_tables(const Node& list, const Section& section, const Complaint& complain) {
   if (list.kind == NodeKind::table) {
-    complain.value(list.place, "is a list; write [[" + complain.path() + "]], with two brackets, for each of them");
+    complain.value(list.place, "is a list; write [[" + complain.header() + "]], with two brackets, for each of them");
     return;
   }
   if (!expect(list, NodeKind::list, complain)) {

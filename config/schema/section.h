@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -114,14 +113,7 @@ class KeyOf {
       : key_{.name = std::string(name), .type = form.type, .standard = {}, .meaning = std::string(meaning)} {
     const S fresh{};
     key_.standard = detail::shown(form, std::invoke(member, fresh));
-    key_.check = [read = form.read](const Node& node, const Complaint& complain) { (void)read(node, complain); };
-    respelled_ = [form](std::string_view text) {
-      Node node;
-      node.kind = NodeKind::text;
-      node.text = text;
-      const auto value = form.read(node, Complaint::silent());
-      return value.has_value() ? form.show(*value) : "";
-    };
+    key_.check = checked(name, form, meaning).key_.check;
     fill = [member, read = form.read](const Entry& entry, S& into) {
       if (auto value = read(entry.value, Complaint::silent()); value.has_value()) {
         detail::assign(std::invoke(member, into), *std::move(value));
@@ -130,6 +122,12 @@ class KeyOf {
   }
 
   /// One that is only checked: what it says is put together elsewhere.
+  template <class T>
+  static KeyOf checked(std::string_view name, const Form<T>& form, std::string_view meaning) {
+    return checked(
+        name, form.type, Layering::replace, nullptr,
+        [read = form.read](const Node& node, const Complaint& complain) { (void)read(node, complain); }, meaning);
+  }
   static KeyOf checked(std::string_view name, std::string_view type, Layering layering, const Section* below,
                        std::function<void(const Node&, const Complaint&)> check, std::string_view meaning) {
     return KeyOf({.name = std::string(name),
@@ -159,17 +157,19 @@ class KeyOf {
     key_.standard.clear();
     return std::move(*this);
   }
+  /// A list that must hold something.
+  [[nodiscard]] KeyOf filled() && {
+    key_.check = [check = std::move(key_.check)](const Node& node, const Complaint& complain) {
+      check(node, complain);
+      if (node.kind == NodeKind::list && node.items.empty()) {
+        complain.value(node.place, "is empty; write at least one");
+      }
+    };
+    return std::move(*this);
+  }
   /// Words of the manual where leaving the key out means more than a value.
   [[nodiscard]] KeyOf unset(std::string_view words) && {
     key_.standard = words;
-    return std::move(*this);
-  }
-  /// The default in another spelling than the usual one: `60s`.
-  [[nodiscard]] KeyOf spelled(std::string_view text) && {
-    if (respelled_(text) != key_.standard) {
-      throw std::logic_error(key_.name + ": the default is " + key_.standard + ", not " + std::string(text));
-    }
-    key_.standard = text;
     return std::move(*this);
   }
   /// A word behind the default: `[]: nobody`.
@@ -190,7 +190,6 @@ class KeyOf {
   explicit KeyOf(Key key) : key_(std::move(key)) {}
 
   Key key_;
-  std::function<std::string(std::string_view)> respelled_{};  ///< A text as the form shows the value that it reads.
 };
 
 /// A section that fills an S.
@@ -248,6 +247,18 @@ template <class S, class Member, class T>
     }
   };
   return key;
+}
+
+/// A key whose value is a table of named tables; only checked, and laid over each other name by name.
+template <class S>
+[[nodiscard]] KeyOf<S> named_key(std::string_view name, const Section& section, bool (*good_name)(std::string_view),
+                                 std::string_view rule, std::string_view meaning) {
+  return KeyOf<S>::checked(
+      name, "tables by name", Layering::by_name, &section,
+      [&section, good_name, rule](const Node& node, const Complaint& complain) {
+        check_named(node, section, good_name, rule, complain);
+      },
+      meaning);
 }
 
 /// A key whose value is a list of tables, each a Said of a list.

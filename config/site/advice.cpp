@@ -10,11 +10,12 @@ namespace {
 
 /// Above this, at worst stuffing, a bus has too little left for commands and retries.
 constexpr double kBusy = 0.6;
-/// Load that all traffic together may reach while SDO transfers run; polls that take more than half of it starve boots.
+/// Load that all traffic together may reach while SDO transfers run; polls shall leave half of it to boots and
+/// commands.
 constexpr double kSdoLoad = 0.7;
 
 std::string percent(double share) {
-  return to_text(std::round(share * 100.0)) + " %";
+  return to_text(std::round(share * 1000.0) / 10.0) + " %";
 }
 
 }  // namespace
@@ -28,9 +29,10 @@ void advise_on_load(const Model& model, const Node& root, Report& report) {
     }
     const std::string where = "bus \"" + model.buses[i].name + "\": ";
     if (load->worst > kBusy) {
-      report.warning(tables[i]->place, where + "its load is forecast at " + (load->at_least ? "at least " : "") +
-                                           percent(load->usual) + ", " + percent(load->worst) +
-                                           " at worst stuffing; above 60 % commands and boots wait. Make event_timer "
+      report.warning(tables[i]->place, where + "its load is forecast at " + percent(load->usual) + ", " +
+                                           percent(load->worst) + " at worst stuffing" +
+                                           (load->at_least ? " (both at least)" : "") +
+                                           "; above 60 % commands and boots wait. Make event_timer "
                                            "and poll longer, leave PDOs out, or raise the bit rate");
     }
     if (load->polls_worst > kSdoLoad / 2) {

@@ -67,31 +67,38 @@ void check_units(const Model& model, const Tables& tables, Report& report) {
   for (const Drive& drive : model.drives) {
     taken.insert(drive.unit.value_or(0));
   }
-  std::map<unsigned, std::string> owners;
+  std::map<unsigned, std::size_t> owners;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
     const Drive& drive = model.drives[i];
     const unsigned unit = drive.unit.value_or(0);
     if (unit < 1 || unit > kLastUnit) {
       continue;
     }
-    const auto [owner, first] = owners.try_emplace(unit, drive.name);
+    const auto [owner, first] = owners.try_emplace(unit, i);
     if (!first) {
+      const Drive& other = model.drives[owner->second];
+      if (other.bus == drive.bus && other.node.node == drive.node.node && other.unit == unit &&
+          drive.node.node == unit) {
+        continue;  // two of one node id have their finding
+      }
       const bool stated = tables[i]->find("unit") != nullptr;
       report.error(place_of(*tables[i], stated ? "unit" : "node"),
                    "drive \"" + drive.name + "\": Modbus unit " + std::to_string(unit) +
-                       (stated ? "" : " (its node id, as no unit is given)") + " is that of drive \"" + owner->second +
+                       (stated ? "" : " (its node id, as no unit is given)") + " is that of drive \"" + other.name +
                        "\"; " + free_number(taken, kLastUnit));
     }
   }
 }
 
-/// `tpdo1`, and where its COB-ID, or else the PDO or the drive stands.
+/// `tpdo1`
 std::string name_of(const canopen::PdoSettings& pdo, bool is_rpdo) {
   return (is_rpdo ? "rpdo" : "tpdo") + std::to_string(pdo.number);
 }
-Place cob_id_place(const Node& drive, const std::string& pdo) {
+
+/// Where a drive states the COB-ID of a PDO; null where it does not.
+const Node* stated_cob_id(const Node& drive, const std::string& pdo) {
   const Node* const table = read_table(drive, pdo);
-  return table == nullptr ? drive.place : place_of(*table, "cob_id");
+  return table == nullptr ? nullptr : table->find("cob_id");
 }
 
 struct PdoOwner {
@@ -110,9 +117,11 @@ void check_cob_ids(const Model& model, const Tables& tables, Report& report) {
         const Drive& other = model.drives[owner->second.drive];
         // Drives of one node id share all of theirs, and have their finding already.
         if (!first && owner->second.drive != i && pdo.cob_id != 0 && other.node.node != drive.node.node) {
-          report.error(cob_id_place(*tables[i], name),
-                       "drive \"" + drive.name + "\": " + name + " has the COB-ID " + to_hex(pdo.cob_id) + " of " +
-                           owner->second.pdo + " of drive \"" + other.name + "\"; give one of them another cob_id");
+          const Node* const here = stated_cob_id(*tables[i], name);
+          const Node* const there = stated_cob_id(*tables[owner->second.drive], owner->second.pdo);
+          const Place at = here != nullptr ? here->place : there != nullptr ? there->place : tables[i]->place;
+          report.error(at, "drive \"" + drive.name + "\": " + name + " has the COB-ID " + to_hex(pdo.cob_id) + " of " +
+                               owner->second.pdo + " of drive \"" + other.name + "\"; give one of them another cob_id");
         }
       }
     }

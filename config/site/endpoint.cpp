@@ -14,26 +14,60 @@ namespace {
 namespace ip = boost::asio::ip;
 using boost::system::error_code;
 
-/// A host name (RFC 1123, with the underscore that many have), or an IPv4 address.
+/// Addresses that a server can have and a client can reach: neither a multicast nor the broadcast one, nor IPv4 in the
+/// clothes of IPv6, whose socket takes no IPv4.
+bool is_host_address(const ip::address& address) {
+  const bool mapped = address.is_v6() && address.to_v6().is_v4_mapped();
+  return !mapped && !address.is_multicast() && address != ip::address(ip::address_v4::broadcast());
+}
+
+bool is_v4_host(std::string_view host) {
+  error_code failed;
+  const auto address = ip::make_address_v4(std::string(host), failed);
+  return !failed && is_host_address(address);
+}
+
+/// A host name (RFC 1123, with the underscore that many have), or an IPv4 address. What ends in a number is an address:
+/// the system would read 0x7f.1 as one (RFC 3986 §7.4).
 bool is_host(std::string_view host) {
   constexpr std::size_t kLongest = 253;
-  const bool name = !host.empty() && host.size() <= kLongest && std::all_of(host.begin(), host.end(), [](char c) {
+  const bool letters = !host.empty() && host.size() <= kLongest && std::all_of(host.begin(), host.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
            c == '_';
   });
-  if (!name || host.find_first_not_of("0123456789.") == std::string_view::npos) {
-    error_code failed;
-    return name && (ip::make_address_v4(std::string(host), failed), !failed);
+  if (!letters) {
+    return false;
+  }
+  host.remove_suffix(host.ends_with('.') ? 1 : 0);
+  const std::string_view last = host.substr(host.rfind('.') + 1);
+  if (last.find_first_not_of("0123456789") == std::string_view::npos || last.starts_with("0x") ||
+      last.starts_with("0X")) {
+    return is_v4_host(host);
   }
   const std::string dotted = "." + std::string(host) + ".";
   return dotted.find("..") == std::string::npos && dotted.find(".-") == std::string::npos &&
          dotted.find("-.") == std::string::npos;
 }
 
-bool is_v6(std::string_view host) {
+/// One without a scope, which belongs to one machine.
+bool is_v6_host(std::string_view host) {
   error_code failed;
-  ip::make_address_v6(std::string(host), failed);
-  return !failed && host.find('\0') == std::string_view::npos;
+  const auto address = ip::make_address_v6(std::string(host), failed);
+  return !failed && is_host_address(address) &&
+         host.find_first_of(std::string_view("\0%", 2)) == std::string_view::npos;
+}
+
+/// The address of a numeric host; nothing for a name other than localhost, which stands for both loopback ones.
+std::optional<ip::address> address_of(const std::string& host, bool v6) {
+  error_code failed;
+  const auto address = ip::make_address(host, failed);
+  if (!failed) {
+    return address;
+  }
+  if (host == "localhost") {
+    return v6 ? ip::address(ip::address_v6::loopback()) : ip::address(ip::address_v4::loopback());
+  }
+  return std::nullopt;
 }
 
 std::string to_text(const ip::address& address, unsigned prefix) {
@@ -64,8 +98,8 @@ std::optional<Parts> parse_network(std::string_view text) {
   if (slash == std::string_view::npos) {
     return Parts{address, longest};
   }
-  const auto prefix = parse_integer(text.substr(slash + 1));
-  if (!prefix.has_value() || *prefix < 0 || *prefix > longest) {
+  const auto prefix = parse_decimal(text.substr(slash + 1));
+  if (!prefix.has_value() || *prefix > longest) {
     return std::nullopt;
   }
   return Parts{address, static_cast<unsigned>(*prefix)};
@@ -124,18 +158,20 @@ std::string shown(const Endpoint& endpoint) {
 std::optional<Endpoint> parse_endpoint(std::string_view text) {
   constexpr std::int64_t kLastPort = 65535;
   const auto colon = text.rfind(':');
-  const auto port = colon == std::string_view::npos ? std::nullopt : parse_integer(text.substr(colon + 1));
+  const auto port = colon == std::string_view::npos ? std::nullopt : parse_decimal(text.substr(colon + 1));
   if (!port.has_value() || *port < 1 || *port > kLastPort) {
     return std::nullopt;
   }
   std::string_view host = text.substr(0, colon);
   const bool bracketed = host.starts_with('[') && host.ends_with(']');
   host = bracketed ? host.substr(1, host.size() - 2) : host;
-  if (bracketed ? !is_v6(host) : !is_host(host)) {
+  if (bracketed ? !is_v6_host(host) : !is_host(host)) {
     return std::nullopt;
   }
-  // One spelling of an IPv6 address, so that equal ones are found equal.
+  // One spelling of every host, so that equal ones are found equal.
   std::string plain = bracketed ? ip::make_address_v6(std::string(host)).to_string() : std::string(host);
+  std::transform(plain.begin(), plain.end(), plain.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return Endpoint{.host = std::move(plain), .port = static_cast<std::uint16_t>(*port)};
 }
 
@@ -168,9 +204,32 @@ Form<Network> network() {
 }
 
 bool covers(const Endpoint& outer, const Endpoint& inner) {
-  const bool inner_v6 = inner.host.find(':') != std::string::npos;
-  const std::string_view all = inner_v6 ? "::" : "0.0.0.0";
-  return outer.port == inner.port && (outer.host == inner.host || outer.host == all);
+  if (outer.port != inner.port) {
+    return false;
+  }
+  for (const bool v6 : {false, true}) {
+    const auto wide = address_of(outer.host, v6);
+    const auto narrow = address_of(inner.host, v6);
+    if (wide.has_value() && narrow.has_value() && wide->is_v4() == narrow->is_v4() &&
+        (*wide == *narrow || wide->is_unspecified())) {
+      return true;
+    }
+  }
+  return outer.host == inner.host;
+}
+
+bool can_arrive(const Network& from, const Endpoint& listen) {
+  const auto first = ip::make_address(from.address);
+  const auto at = address_of(listen.host, first.is_v6());
+  if (!at.has_value()) {
+    return true;  // a name may stand for any address
+  }
+  const Network loopback = first.is_v4() ? Network{"127.0.0.0", 8} : Network{"::1", 128};
+  return at->is_v4() == first.is_v4() && (!at->is_loopback() || meet(from, loopback));
+}
+
+bool meet(const Network& one, const Network& other) {
+  return covers(one, other) || covers(other, one);
 }
 
 bool covers(const Network& outer, const Network& inner) {

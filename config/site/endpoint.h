@@ -8,7 +8,8 @@
 
 namespace config {
 
-/// `0.0.0.0:502`, `[::]:502`, `localhost:1502`. Digits and dots alone must be a whole IPv4 address.
+/// `0.0.0.0:502`, `[::]:502`, `localhost:1502`. A host that ends in a number must be an IPv4 address; multicast and
+/// broadcast addresses and IPv4 in the clothes of IPv6 are none. Names in lower case.
 [[nodiscard]] std::optional<Endpoint> parse_endpoint(std::string_view text);
 
 [[nodiscard]] Form<Endpoint> endpoint();
@@ -21,5 +22,9 @@ namespace config {
 [[nodiscard]] bool covers(const Endpoint& outer, const Endpoint& inner);
 /// Every address of `inner` is one of `outer`.
 [[nodiscard]] bool covers(const Network& outer, const Network& inner);
+/// Some address is in both.
+[[nodiscard]] bool meet(const Network& one, const Network& other);
+/// A client of this network can connect to a socket that listens there.
+[[nodiscard]] bool can_arrive(const Network& from, const Endpoint& listen);
 
 }  // namespace config

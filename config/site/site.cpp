@@ -49,19 +49,29 @@ void check_bus(const Node& table, const std::vector<Bus>& before, const Bus& bus
   }
 }
 
-void check_listen(const Node& table, const Modbus& modbus, Report& report) {
-  const auto items = read_texts(table, "listen");
-  if (items.size() != modbus.listen.size()) {
-    return;  // left out, or one of them has its finding
+/// The good values of a list, each with where it stands; wrong ones have their finding.
+template <class T>
+std::vector<std::pair<T, const Node*>> good_items(const Node& table, std::string_view key, const Form<T>& form) {
+  std::vector<std::pair<T, const Node*>> items;
+  for (const Node* const item : read_texts(table, key)) {
+    if (auto value = form.read(*item, Complaint::silent()); value.has_value()) {
+      items.emplace_back(*std::move(value), item);
+    }
   }
+  return items;
+}
+
+void check_listen(const Node& table, Report& report) {
+  const auto items = good_items(table, "listen", endpoint());
   for (std::size_t i = 0; i < items.size(); ++i) {
     for (std::size_t k = 0; k < items.size(); ++k) {
-      const bool equal = modbus.listen[k] == modbus.listen[i];
-      if (k != i && covers(modbus.listen[k], modbus.listen[i]) && (!equal || k < i)) {
-        report.error(items[i]->place,
-                     "modbus.listen " + in_quotes(items[i]->text) +
-                         (equal ? " stands there twice"
-                                : " is contained in " + in_quotes(items[k]->text) + "; leave one of them out"));
+      const auto& [outer, outer_item] = items[k];
+      const auto& [inner, inner_item] = items[i];
+      // Of two that cover each other the later one has the finding.
+      if (k != i && covers(outer, inner) && (k < i || !covers(inner, outer))) {
+        report.error(inner_item->place, "modbus.listen " + in_quotes(inner_item->text) +
+                                            (covers(inner, outer) ? " stands there twice, as " : " is contained in ") +
+                                            in_quotes(outer_item->text) + "; leave one of them out");
         break;
       }
     }
@@ -74,14 +84,16 @@ void check_access(const Node& table, const Modbus& modbus, Report& report) {
     report.warning(place_of(table, "read_from"), "modbus.read_from is empty, so nobody can connect");
     return;
   }
-  const auto items = read_texts(table, "write_from");
-  for (std::size_t i = 0; i < items.size() && items.size() == modbus.write_from.size(); ++i) {
-    const auto meets = [&](const Network& read) {
-      return covers(read, modbus.write_from[i]) || covers(modbus.write_from[i], read);
-    };
-    if (std::none_of(modbus.read_from.begin(), modbus.read_from.end(), meets)) {
-      report.warning(items[i]->place, "modbus.write_from " + in_quotes(items[i]->text) +
-                                          " lies outside of read_from, so its clients cannot connect; add it there");
+  const Node* const stated = table.find("read_from");
+  const auto readers = good_items(table, "read_from", network());
+  if (stated != nullptr && (stated->kind != NodeKind::list || readers.size() != stated->items.size())) {
+    return;  // it has its finding, and what was meant is not known
+  }
+  for (const auto& [writer, item] : good_items(table, "write_from", network())) {
+    if (std::none_of(modbus.read_from.begin(), modbus.read_from.end(),
+                     [&from = writer](const Network& read) { return meet(read, from); })) {
+      report.warning(item->place, "modbus.write_from " + in_quotes(item->text) +
+                                      " lies outside of read_from, so its clients cannot connect; add it there");
     }
   }
 }
@@ -181,7 +193,7 @@ std::optional<Modbus> read_modbus(const Node& root, Report& report) {
     report.warning(place_of(*table, "on_stale"),
                    "modbus.on_stale = \"zero\" shows a lost drive as one that stands still");
   }
-  check_listen(*table, modbus, report);
+  check_listen(*table, report);
   check_access(*table, modbus, report);
   return modbus;
 }

@@ -1,5 +1,7 @@
 #include "config/toml/files.h"
 
+#include <sys/stat.h>
+
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -11,7 +13,12 @@ std::variant<FileFacts, FileFailure> look_at_file(const std::filesystem::path& p
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) {
-    return FileFailure{is_absent(path) ? "no such file" : "the link leads nowhere"};
+    if (is_absent(path)) {
+      return FileFailure{"no such file"};
+    }
+    return FileFailure{std::filesystem::is_symlink(std::filesystem::symlink_status(path, error))
+                           ? "the link leads nowhere"
+                           : "its directory is none, or a link that leads nowhere"};
   }
   if (error) {
     return FileFailure{error.message()};
@@ -44,8 +51,13 @@ std::variant<std::string, FileFailure> read_file(const std::filesystem::path& pa
 }
 
 bool is_absent(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::symlink_status(path, error).type() == std::filesystem::file_type::not_found;
+  struct stat entry{};
+  if (::lstat(path.c_str(), &entry) == 0 || errno != ENOENT) {
+    return false;
+  }
+  const auto directory = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  // A directory that is a link which leads nowhere (a share that is not mounted) may well hold it.
+  return ::lstat(directory.c_str(), &entry) != 0 ? errno == ENOENT : ::stat(directory.c_str(), &entry) == 0;
 }
 
 }  // namespace config

@@ -36,6 +36,43 @@ TEST(Advice, CountsAnEventTimerOnlyWhereTheDriveIsKnownToHaveIt) {
               IsEmpty());
 }
 
+TEST(Advice, CountsNoRpdoThatIsNeverSent) {
+  const auto warned = [](const std::string& more) {
+    const auto warnings = warnings_of(load_site(kBus + kMixer + more + kCommands + kMqtt));
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& text) { return text.find("nothing stops it") != std::string::npos; });
+  };
+  const std::string timer = "rpdo1.event_timer = \"300ms\"\n";
+  EXPECT_FALSE(warned(timer));
+  EXPECT_TRUE(warned(timer + "signals.control_command.source = \"sdo\"\nsignals.target_velocity.source = \"sdo\"\n"));
+  EXPECT_TRUE(warned(timer + "rpdo1.unused = [\"control_command\", \"target_velocity\"]\n"));
+  EXPECT_TRUE(warned(timer + "rpdo1.map = [\"0x6040 u16\", \"0x6042 i16\", \"0x6060 i8\"]\n"))
+      << "one field is unnamed";
+  EXPECT_TRUE(warned("rpdo2 = { supervised = true, event_timer = \"300ms\", map = [\"0x6060 i8\"] }\n"));
+}
+
+TEST(Advice, WarnsOfWritersThatCannotReachTheDrive) {
+  const auto warning = [](const std::string& modbus, const std::string& drive = "") {
+    const Loaded loaded = load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + drive +
+                                    "[drive.commands]\nwriters = [\"modbus\"]\n" +
+                                    "[drive.signals.target_velocity]\nmax = 1500\n" + modbus);
+    std::string text;
+    for (const std::string& each : warnings_of(loaded)) {
+      text += each.find("commands.writers names modbus") != std::string::npos ? each : "";
+    }
+    return text;
+  };
+  EXPECT_EQ(warning("[modbus]\n"), "");
+  EXPECT_THAT(warning(""), HasSubstr("there is no [modbus]"));
+  EXPECT_THAT(warning("[modbus]\n", "unit = \"none\"\n"), HasSubstr("unit = \"none\""));
+  EXPECT_THAT(warning("[modbus]\nwrite_from = []\n"), HasSubstr("write_from is empty"));
+  EXPECT_THAT(warning("[modbus]\nread_from = [\"10.0.0.0/8\"]\n"), HasSubstr("can connect"));
+  EXPECT_THAT(warning("[modbus]\nwrite_from = [\"fd00::/8\"]\n"), HasSubstr("can connect"));
+  EXPECT_THAT(warning("[modbus]\nlisten = [\"127.0.0.1:502\"]\nwrite_from = [\"192.168.1.0/24\"]\n"),
+              HasSubstr("can connect"));
+  EXPECT_EQ(warning("[modbus]\nlisten = [\"192.168.1.2:502\"]\nwrite_from = [\"192.168.1.0/24\"]\n"), "");
+}
+
 TEST(Advice, WarnsOfADeadlineThatOneUnansweredReadUsesUp) {
   const std::string supervised = kMixer + "supervise_gateway = \"2s\"\n";
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"500ms\"\n" + kMax)),
@@ -43,6 +80,10 @@ TEST(Advice, WarnsOfADeadlineThatOneUnansweredReadUsesUp) {
                                     "sdo.timeout (500ms)")));
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"999ms\"\n" + kMax)),
               ElementsAre(HasSubstr("commands.deadline (999ms) is below twice sdo.timeout (500ms)")));
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"800ms\"\n" + kMax)),
+              ElementsAre(HasSubstr("commands.deadline (800ms) is below twice")))
+      << "also where it is the default, once somebody states it";
+  EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + kMax)), IsEmpty());
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"1s\"\n" + kMax)), IsEmpty());
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + "sdo = { timeout = \"1s\" }\n" + kCommands + kMax)),
               ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": commands.deadline (800ms) is below twice "

@@ -103,7 +103,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(NotBuilt, AreTheDefaultsOfWhatIsNotBuiltEither) {
   EXPECT_EQ(errors_of(load_site(kBus + kDrive + "[drive.commands]\nlease = \"0s\"\nwriters = [\"local\"]\n")),
             (std::vector<std::string>{
-                "gateway.toml:8:1: error: drive \"pump1\": commands.lease is not supported by this version",
+                "gateway.toml:8:1: error: drive \"pump1\": commands.lease is not supported by this version; leave it "
+                "out",
                 "gateway.toml:9:12: error: drive \"pump1\": commands.writers \"local\" is not supported by this "
                 "version"}));
 }

@@ -94,6 +94,17 @@ TEST(Pdos, RefuseWhatCannotWork) {
   EXPECT_THAT(pdo_error_with("tpdo2 = { map = [\"0x2000:09\"] }\n"), HasSubstr("tpdo2.map"));
 }
 
+TEST(Rpdos, HaveAnEventTimerThatCanBeKept) {
+  EXPECT_THAT(pdo_error_with("rpdo1 = { event_timer = \"5ms\" }\n"), HasSubstr("shorter than an RPDO can be repeated"));
+  EXPECT_THAT(lines(load_site(pdo_site("rpdo1 = { event_timer = \"9ms\" }\n"), kThreeObjects).findings),
+              HasSubstr("7:25: warning: drive \"a\": rpdo1: event_timer \"9ms\" is below twice"));
+}
+
+TEST(Pdos, MapNoObjectTwice) {
+  EXPECT_THAT(pdo_error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:01 u16\"] }\n"),
+              HasSubstr("7:17: error: drive \"a\": tpdo1: map names 0x2000:01 twice"));
+}
+
 TEST(Pdos, HoldSixtyFourBits) {
   EXPECT_THAT(
       pdo_error_with("tpdo1 = { map = [\"0x2000:01 u16\", \"0x2000:02 u32\", \"0x2000:03 u16\", \"0x2000:04 bool\"] "

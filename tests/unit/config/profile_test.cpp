@@ -163,6 +163,13 @@ TEST(Layers, MaySpellOneNumberInTwoWays) {
   EXPECT_EQ(faults.emcy_texts.at(0x3210).text, "DC link overvoltage");
 }
 
+TEST(Layers, OfThreeSpellingsTheUppermostCounts) {
+  const std::string own =
+      "title = \"t\"\n[presets.p]\ntext = \"t\"\n[presets.p.fault_texts]\n0x1 = \"b\"\n[fault_texts]\n1 = \"a\"\n";
+  const Model model = model_of(drive("own", "presets = [\"p\"]\n[drive.fault_texts]\n1 = \"c\"\n"), own);
+  EXPECT_EQ(model.drives.at(0).faults.drive_texts.at(1).text, "c");
+}
+
 TEST(Layers, GoByTheSchemaAndNotByNames) {
   // A signal may be called like a key that is replaced as a whole.
   const std::string own =

@@ -106,9 +106,27 @@ TEST(ModbusServer, RefusesAddressesThatAreNone) {
   EXPECT_THAT(error_of(site + "listen = [\"::1:502\"]\n"), HasSubstr("must be an address and a port"));
   EXPECT_THAT(error_of(site + "listen = [\"a:70000\"]\n"), HasSubstr("must be an address and a port"));
   EXPECT_THAT(error_of(site + "listen = []\n"), HasSubstr("modbus.listen is empty"));
+  for (const auto* const host : {"300.0.0.1", "192.168.1", "0x7f.1", "0x7f000001", "-", "a..b", "-a", "224.0.0.1",
+                                 "255.255.255.255", "[::ffff:127.0.0.1]", "[fe80::1%eth0]", "[ff02::1]", "[1.2.3.4]"}) {
+    EXPECT_THAT(error_of(site + "listen = [\"" + host + ":502\"]\n"), HasSubstr("must be an address and a port"))
+        << host;
+  }
+  EXPECT_THAT(error_of(site + "listen = [\"0.0.0.0:502\", \"127.0.0.1:502\"]\n"),
+              HasSubstr("8:26: error: modbus.listen \"127.0.0.1:502\" is contained in \"0.0.0.0:502\""));
+  EXPECT_THAT(error_of(site + "listen = [\"127.0.0.1:502\", \"0.0.0.0:502\"]\n"), HasSubstr("8:11: error: "));
+  EXPECT_THAT(error_of(site + "listen = [\"localhost:502\", \"127.0.0.1:502\"]\n"), HasSubstr("stands there twice"));
+  EXPECT_THAT(error_of(site + "listen = [\"[::1]:502\", \"[0:0::1]:502\"]\n"), HasSubstr("stands there twice"));
+  EXPECT_TRUE(load_site(site + "listen = [\"0.0.0.0:502\", \"[::]:502\", \"127.0.0.1:1502\", \"gw.plant.:502\"]\n")
+                  .model.has_value());
   EXPECT_THAT(error_of(site + "write_from = [\"10.0.0.0/33\"]\n"), HasSubstr("must be a network"));
   EXPECT_THAT(error_of(site + "write_from = [\"plc.local\"]\n"), HasSubstr("must be a network"));
   EXPECT_THAT(error_of(site + "write_from = [\"192.168.1.7/24\"]\n"), HasSubstr("the network is \"192.168.1.0/24\""));
+  EXPECT_THAT(error_of(site + "write_from = [\"10.0.0.0/08\"]\n"), HasSubstr("must be a network"));
+  EXPECT_THAT(error_of(site + "read_from = [\"::ffff:192.168.1.0/120\"]\n"),
+              HasSubstr("is IPv4 and must be written so: \"192.168.1.0/24\""));
+  EXPECT_THAT(errors_of(load_site(site + "read_from = [\"192.168.0.0/16\"]\nwrite_from = [\"192.168.1.0/24\", "
+                                         "\"y\"]\n")),
+              testing::ElementsAre(HasSubstr("\"y\" must be a network")));
 }
 
 TEST(MqttClient, TakesItsKeysAndThePasswordFile) {

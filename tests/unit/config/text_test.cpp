@@ -77,11 +77,11 @@ TEST(MappedObjects, AreAnObjectAndAType) {
 }
 
 TEST(CobIds, MayContainTheNodeId) {
-  EXPECT_EQ(parse_cob_id("$NODEID+0x180", 5), 0x185);
-  EXPECT_EQ(parse_cob_id("0x180 + $NODEID", 5), 0x185);
-  EXPECT_EQ(parse_cob_id("0x1A0", 5), 0x1A0);
-  for (const auto* const text : {"", "$NODEID", "$NODEID+", "0x180+5", "$NODEID+0x800", "$NODEID+-1"}) {
-    EXPECT_EQ(parse_cob_id(text, 5), std::nullopt) << text;
+  EXPECT_EQ(parse_cob_id("$NODEID+0x180"), (CobId{0x180, true}));
+  EXPECT_EQ(parse_cob_id("0x180 + $NODEID"), (CobId{0x180, true}));
+  EXPECT_EQ(parse_cob_id("0x1A0"), (CobId{0x1A0, false}));
+  for (const auto* const text : {"", "$NODEID", "$NODEID+", "0x180+5", "$NODEID+0x800", "$NODEID+-1", "-5", "0x800"}) {
+    EXPECT_EQ(parse_cob_id(text), std::nullopt) << text;
   }
 }
 

@@ -144,7 +144,7 @@ TEST(MapBuses, HaveTheirForecastInPercentWithOneDecimal) {
   EXPECT_EQ(bus.at("load_worst").as_double(), 6.5);
   EXPECT_GE(bus.at("load").as_double(), 5.5);
   EXPECT_LT(bus.at("load").as_double(), 6.5);
-  EXPECT_FALSE(bus.contains("at_least"));
+  EXPECT_FALSE(bus.at("at_least").as_bool());
   EXPECT_THAT(render_map(slow_bus(), MapFormat::table),
               ContainsRegex("\nbus can0  10000 bit/s  load [56]\\.[0-9] %  worst 6\\.5 %\n"));
 }
