@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/drive/builder.h"
+#include "config/schema/complaint.h"
 #include "config/text.h"
 #include "config/toml/document.h"
 
@@ -138,6 +139,19 @@ class PdoTaker {
   PdoSettings pdo_;
 };
 
+/// `its fields are control_command, 0x6042:00`
+std::string fields_of(const DriveDraft& draft, const PdoDraft& pdo) {
+  std::string all;
+  for (const canopen::MappedObject& field : pdo.settings.mapping) {
+    const auto& signals = draft.said.signals;
+    const auto signal =
+        std::find_if(signals.begin(), signals.end(), [&field](const auto& s) { return s.keys.object == field.object; });
+    all += (all.empty() ? "its fields are " : ", ") +
+           (signal != signals.end() ? signal->name : canopen::to_string(field.object));
+  }
+  return all;
+}
+
 /// The objects behind `unused`: names of signals, or objects.
 void take_unused(DriveDraft& draft, PdoDraft& pdo) {
   for (const Node* const item : read_texts(*pdo.said->table, "unused")) {
@@ -151,7 +165,8 @@ void take_unused(DriveDraft& draft, PdoDraft& pdo) {
     if (mapped) {
       pdo.unused.push_back(*object);
     } else {
-      draft.error(item->place, pdo.said->name + ": unused \"" + item->text + "\" is no field of it");
+      draft.error(item->place, pdo.said->name + ": unused " + in_quotes(item->text) + " is no field of it; " +
+                                   fields_of(draft, pdo));
     }
   }
   pdo.unused.insert(pdo.unused.end(), draft.unused.begin(), draft.unused.end());
@@ -166,7 +181,8 @@ void check_cob_ids(const DriveDraft& draft) {
       });
       if (same != seen.end()) {
         draft.error(in_the_site(place_of(*pdo.said, "cob_id"), place_of(*(*same)->said, "cob_id")),
-                    pdo.said->name + " has the COB-ID " + to_hex(pdo.settings.cob_id) + " of " + (*same)->said->name);
+                    pdo.said->name + " has the COB-ID " + to_hex(pdo.settings.cob_id) + " of " + (*same)->said->name +
+                        "; give one of them another cob_id");
       }
       seen.push_back(&pdo);
     }

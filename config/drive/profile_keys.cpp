@@ -37,6 +37,11 @@ const SectionOf<SlotKeys>& slot_section() {
            [](const Node& node, const Complaint& complain) {
              check_named(node, signal_section(), is_signal_name,
                          "lower case letters, digits and '_', beginning with a letter", complain);
+             for (const Entry& meaning : node.entries) {
+               if (const Node* const object = meaning.value.find("object"); object != nullptr) {
+                 complain.at(meaning.key).at("object").value(object->place, "is that of its slot; leave it out here");
+               }
+             }
            },
            "The signals to choose from, without `object`.")
            .required()});

@@ -38,6 +38,9 @@ class SignalTaker {
   /// Nothing where the signal is not enabled, or cannot be understood.
   std::optional<SignalDraft> take() {
     if (!keys_.enabled) {
+      if (!states("object") && !states("from")) {
+        explain_unknown();  // a misspelt one would go on
+      }
       return std::nullopt;
     }
     if (std::find(kReserved.begin(), kReserved.end(), said_.name) != kReserved.end()) {
@@ -57,11 +60,11 @@ class SignalTaker {
   }
 
   bool take_derived() {
-    constexpr std::array kWithout{"object", "type",      "scale",          "source", "min", "max",
-                                  "values", "momentary", "momentary_mask", "as",     "poll"};
+    constexpr std::array kWithout{"object",    "type",           "scale", "source", "min",  "max",      "values",
+                                  "momentary", "momentary_mask", "as",    "poll",   "unit", "deadband", "publish_mask"};
     for (const auto* const key : kWithout) {
       if (states(key)) {
-        error(key, std::string(key) + " has no meaning beside from");
+        error(key, "has " + std::string(key) + ", which has no meaning beside from; leave it out");
       }
     }
     if (keys_.access != Access::read) {
@@ -90,10 +93,17 @@ class SignalTaker {
 
   bool take_word() {
     if (!keys_.object.has_value() || !keys_.type.has_value()) {
-      if (!states("object") || !states("type")) {
+      if (!states("object") && !states("type")) {
         explain_unknown();
+      } else if (!states("object") || !states("type")) {
+        error("", std::string("has no ") + (states("type") ? "object" : "type") + "; a signal of your own needs both");
       }
       return false;
+    }
+    for (const auto* const key : {"mask", "equals", "negative"}) {
+      if (states(key)) {
+        error(key, "has " + std::string(key) + ", which has no meaning without from; leave it out");
+      }
     }
     signal_.object = *keys_.object;
     signal_.type = *keys_.type;
@@ -172,7 +182,7 @@ class SignalTaker {
     }
     signal_.momentary_mask = static_cast<std::uint64_t>(keys_.momentary_mask);
     if (!writable(signal_.access) && (!signal_.momentary.empty() || signal_.momentary_mask != 0)) {
-      error("momentary", "cannot be written, so nothing of it is momentary");
+      error(states("momentary") ? "momentary" : "momentary_mask", "cannot be written, so nothing of it is momentary");
     }
   }
 

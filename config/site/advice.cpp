@@ -28,7 +28,7 @@ void advise_on_load(const Model& model, const Node& root, Report& report) {
     }
     const std::string where = "bus \"" + model.buses[i].name + "\": ";
     if (load->worst > kBusy) {
-      report.warning(tables[i]->place, where + "its load is forecast at " + (load->at_least ? "at least " : "") +
+      report.warning(tables[i]->place, where + "its load is forecast " + (load->at_least ? "to be at least " : "at ") +
                                            percent(load->usual) + ", " + percent(load->worst) +
                                            " at worst stuffing; above 60 % commands and boots wait. Make event_timer "
                                            "and poll longer, leave PDOs out, or raise the bit rate");

@@ -106,6 +106,11 @@ std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain)
     complain.value(node.place, in_quotes(node.text) + " is not supported by this version; only mqtt:// is");
     return std::nullopt;
   }
+  if (node.text.find('@') != std::string::npos) {
+    // Not shown: what stands before the '@' is mostly a password.
+    complain.value(node.place, "must be mqtt://HOST:PORT; a name goes to username, and a password into password_file");
+    return std::nullopt;
+  }
   const bool schemed = node.text.starts_with(kScheme);
   auto broker = schemed ? parse_endpoint(std::string_view(node.text).substr(kScheme.size())) : std::nullopt;
   if (!broker.has_value()) {
@@ -147,8 +152,8 @@ Form<Endpoint> endpoint() {
             }
             auto value = parse_endpoint(node.text);
             if (!value.has_value()) {
-              complain.value(node.place,
-                             in_quotes(node.text) + " must be an address and a port, such as \"0.0.0.0:502\"");
+              complain.value(node.place, in_quotes(node.text) +
+                                             " must be an address and a port, such as \"0.0.0.0:502\" or \"[::]:502\"");
             }
             return value;
           },

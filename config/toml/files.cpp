@@ -10,7 +10,7 @@ std::variant<FileFacts, FileFailure> look_at_file(const std::filesystem::path& p
   constexpr std::uintmax_t kLargest = std::uintmax_t{1} << 20U;
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) {
+  if (error == std::errc::no_such_file_or_directory) {
     return FileFailure{is_absent(path) ? "no such file" : "the link leads nowhere"};
   }
   if (error) {
@@ -45,7 +45,9 @@ std::variant<std::string, FileFailure> read_file(const std::filesystem::path& pa
 
 bool is_absent(const std::filesystem::path& path) {
   std::error_code error;
-  return std::filesystem::symlink_status(path, error).type() == std::filesystem::file_type::not_found;
+  (void)std::filesystem::symlink_status(path, error);
+  // Not where a file is in place of a directory (ENOTDIR), which counts as not found, too.
+  return error == std::errc::no_such_file_or_directory;
 }
 
 }  // namespace config
