@@ -13,8 +13,8 @@ namespace config {
 namespace {
 
 // Fixed topics beside the signals of a drive, and the key of a command's identifier.
-constexpr std::array<std::string_view, 10> kReserved{"state", "status",  "alarm",   "nmt",   "sdo",
-                                                     "set",   "control", "history", "drift", "id"};
+constexpr std::array<std::string_view, 10> kReservedSignals{"state", "status",  "alarm",   "nmt",   "sdo",
+                                                            "set",   "control", "history", "drift", "id"};
 
 /// As many decimals as show every step: 0.01 has 2, 0.25 has 2, 10 has none.
 unsigned decimals_of(double scale) {
@@ -43,7 +43,7 @@ class SignalTaker {
       }
       return std::nullopt;
     }
-    if (std::find(kReserved.begin(), kReserved.end(), said_.name) != kReserved.end()) {
+    if (std::find(kReservedSignals.begin(), kReserved.end(), said_.name) != kReserved.end()) {
       error("", "cannot be called that: the name is that of a fixed topic");
     }
     if (!(states("from") ? take_derived() : take_word())) {
