@@ -43,7 +43,7 @@ class SignalTaker {
       }
       return std::nullopt;
     }
-    if (std::find(kReservedSignals.begin(), kReserved.end(), said_.name) != kReserved.end()) {
+    if (std::find(kReservedSignals.begin(), kReservedSignals.end(), said_.name) != kReservedSignals.end()) {
       error("", "cannot be called that: the name is that of a fixed topic");
     }
     if (!(states("from") ? take_derived() : take_word())) {

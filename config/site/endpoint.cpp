@@ -16,8 +16,8 @@ using boost::system::error_code;
 
 /// A host name (RFC 1123, with the underscore that many have), or an IPv4 address.
 bool is_host(std::string_view host) {
-  constexpr std::size_t kLongest = 253;
-  const bool name = !host.empty() && host.size() <= kLongest && std::all_of(host.begin(), host.end(), [](char c) {
+  constexpr std::size_t kLongestHost = 253;
+  const bool name = !host.empty() && host.size() <= kLongestHost && std::all_of(host.begin(), host.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
            c == '_';
   });
