@@ -11,17 +11,17 @@
 namespace config {
 namespace {
 
-struct Unit {
+struct TimeUnit {
   std::string_view name;
   canopen::Duration length;
 };
 
 // From long to short: the first that divides a duration evenly is the one to write it in.
-constexpr std::array<Unit, 5> kUnits{{{"h", std::chrono::hours(1)},
-                                      {"min", std::chrono::minutes(1)},
-                                      {"s", std::chrono::seconds(1)},
-                                      {"ms", std::chrono::milliseconds(1)},
-                                      {"us", std::chrono::microseconds(1)}}};
+constexpr std::array<TimeUnit, 5> kUnits{{{"h", std::chrono::hours(1)},
+                                          {"min", std::chrono::minutes(1)},
+                                          {"s", std::chrono::seconds(1)},
+                                          {"ms", std::chrono::milliseconds(1)},
+                                          {"us", std::chrono::microseconds(1)}}};
 
 constexpr canopen::Duration kLongest = std::chrono::hours(24 * 3650);
 
@@ -51,7 +51,7 @@ std::optional<canopen::Duration> parse_duration(std::string_view text) {
   }
   const std::string_view name = text.substr(static_cast<std::size_t>(end - text.data()));
   const auto* const unit =
-      std::find_if(kUnits.begin(), kUnits.end(), [name](const Unit& known) { return known.name == name; });
+      std::find_if(kUnits.begin(), kUnits.end(), [name](const TimeUnit& known) { return known.name == name; });
   if (unit == kUnits.end()) {
     return std::nullopt;
   }
@@ -66,7 +66,7 @@ std::string to_text(canopen::Duration duration) {
   if (duration == canopen::Duration::zero()) {
     return "0s";
   }
-  for (const Unit& unit : kUnits) {
+  for (const TimeUnit& unit : kUnits) {
     if (duration % unit.length == canopen::Duration::zero()) {
       return std::to_string(duration / unit.length) + std::string(unit.name);
     }

@@ -59,16 +59,32 @@ class Placer {
     for (SignalDraft& signal : draft_.signals) {
       place(signal);
     }
-    for (const SignalDraft* const signal : missing_) {
-      error(*signal, "needs an address for Modbus; " + free_for(signal->signal.modbus) + " is free");
+    for (SignalDraft* const signal : missing_) {
+      const auto free = free_for(signal->signal.modbus);
+      error(signal->said->place, *signal, "needs an address for Modbus; " + shown(free));
+      // The next one shall hear of another.
+      signal->signal.modbus.address = free.value_or(0);
+      placed_.push_back(signal);
     }
   }
 
  private:
+  /// At what decides over the place: the last of them that the site says, else the last that is there.
   void error(const SignalDraft& signal, const std::string& text) {
-    const bool addressed = signal.said->table->find("address") != nullptr;
-    draft_.error(place_of(*signal.said, addressed ? "address" : "as", {"type", "object", "as", "address"}),
-                 "signal \"" + signal.signal.name + "\" " + text);
+    Place place = signal.said->place;
+    for (const auto* const key : {"type", "as", "address"}) {
+      if (const Node* const value = signal.said->table->find(key); value != nullptr) {
+        place = in_the_site(value->place, place);
+      }
+    }
+    error(place, signal, text);
+  }
+  void error(Place place, const SignalDraft& signal, const std::string& text) {
+    draft_.error(place, "signal \"" + signal.signal.name + "\" " + text);
+  }
+
+  static std::string shown(std::optional<std::uint16_t> free) {
+    return free.has_value() ? std::to_string(*free) + " is free" : "none is free";
   }
 
   static ModbusPlace shape_of(const SignalDraft& signal) {
@@ -84,16 +100,16 @@ class Placer {
   }
 
   /// The first address from 200 on that nothing placed so far takes.
-  std::string free_for(ModbusPlace place) {
+  std::optional<std::uint16_t> free_for(ModbusPlace place) {
     for (unsigned address = kFirstFree; address + place.count <= kPastLast; address += place.count) {
       place.address = static_cast<std::uint16_t>(address);
       const bool diagnostics = address < kPastDiagnostics && address + place.count > kDiagnostics;
       if (!diagnostics && std::none_of(placed_.begin(), placed_.end(),
                                        [&](const auto* p) { return overlaps(p->signal.modbus, place); })) {
-        return std::to_string(address);
+        return place.address;
       }
     }
-    return "none";
+    return std::nullopt;
   }
 
   void place(SignalDraft& signal) {
@@ -123,15 +139,15 @@ class Placer {
         std::find_if(placed_.begin(), placed_.end(), [&](const auto* p) { return overlaps(p->signal.modbus, place); });
     if (same != placed_.end()) {
       const Place at = in_the_site(place_of(*signal.said, "address"), place_of(*(*same)->said, "address"));
-      draft_.error(at, "signal \"" + signal.signal.name + "\" overlaps \"" + (*same)->signal.name +
-                           "\" at Modbus address " + std::to_string((*same)->signal.modbus.address) + "; " +
-                           free_for(place) + " is free");
+      error(at, signal,
+            "overlaps \"" + (*same)->signal.name + "\" at Modbus address " +
+                std::to_string((*same)->signal.modbus.address) + "; " + shown(free_for(place)));
       return;
     }
     placed_.push_back(&signal);
   }
 
-  /// False where the address cannot be, and the signal is not placed.
+  /// True where it may be there.
   bool check(const SignalDraft& signal, std::optional<std::uint16_t> fixed) {
     const ModbusPlace& place = signal.signal.modbus;
     const unsigned past = place.address + unsigned{place.count};
@@ -157,7 +173,7 @@ class Placer {
 
   DriveDraft& draft_;
   std::vector<const SignalDraft*> placed_;
-  std::vector<const SignalDraft*> missing_;
+  std::vector<SignalDraft*> missing_;
 };
 
 }  // namespace

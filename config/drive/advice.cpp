@@ -112,7 +112,8 @@ void advise_on_rpdos(const DriveDraft& draft) {
       draft.warning(draft.site.place, "rpdo" + std::to_string(rpdo.number) +
                                           " is never sent, because nothing says what its field " +
                                           canopen::to_string(unnamed->object) +
-                                          " is for; commands go by SDO. Name it, or declare it unused");
+                                          " is for; commands go by SDO. Make a signal of it, or list it in rpdo" +
+                                          std::to_string(rpdo.number) + ".unused");
     }
   }
 }

@@ -19,12 +19,21 @@ std::string quoted(Duration duration) {
   return in_quotes(to_text(duration));
 }
 
+/// `there are can0, can1`
+std::string all_of(const std::vector<Bus>& buses) {
+  std::string all;
+  for (const Bus& bus : buses) {
+    all += (all.empty() ? "there are " : ", ") + bus.name;
+  }
+  return all;
+}
+
 /// The bus a drive names, or the only one. Nothing, and a finding, where that does not tell.
 std::optional<std::size_t> bus_of(const DriveDraft& draft) {
   const auto& buses = draft.model.buses;
   if (!draft.keys.bus.has_value()) {
     if (buses.size() > 1 && draft.site.find("bus") == nullptr) {
-      draft.error(draft.site.place, "bus is missing; there are several");
+      draft.error(draft.site.place, "bus is missing; " + all_of(buses));
     }
     return buses.size() == 1 ? std::optional<std::size_t>(0) : std::nullopt;
   }
@@ -33,7 +42,8 @@ std::optional<std::size_t> bus_of(const DriveDraft& draft) {
   if (found == buses.end()) {
     // A bus without a name has its finding, and may be the one that is meant.
     if (std::none_of(buses.begin(), buses.end(), [](const Bus& bus) { return bus.name.empty(); })) {
-      draft.error(place_of(draft.site, "bus"), "bus \"" + *draft.keys.bus + "\" is not among the buses");
+      draft.error(place_of(draft.site, "bus"),
+                  "bus \"" + *draft.keys.bus + "\" is not among the buses; " + all_of(buses));
     }
     return std::nullopt;
   }

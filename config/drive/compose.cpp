@@ -90,7 +90,7 @@ class Assigner {
       : draft_(draft), profile_(profile), slot_name_(slot_name) {}
 
   void run() {
-    const Node* const stated = read_table(draft_.site, slot_name_);
+    const Node* const stated = draft_.site.find(slot_name_);
     const Node* const slots = read_table(profile_.table, "slots");
     const Node* const slot = slots == nullptr ? nullptr : read_table(*slots, slot_name_);
     if (slot == nullptr) {
@@ -99,6 +99,9 @@ class Assigner {
                      "profile \"" + profile_.name + "\" has no " + std::string(slot_name_));
       }
       return;
+    }
+    if (stated != nullptr && stated->kind != NodeKind::table) {
+      return;  // it has its finding
     }
     const SlotKeys keys = slot_section().read(*slot);
     objects_ = keys.objects;

@@ -81,7 +81,8 @@ void connect(DriveDraft& draft, SignalDraft& draft_signal) {
     // Where only one of both stands in the site's file, it is the site's that does not fit.
     const Place place = in_the_site(place_of(*draft_signal.said, "type"), place_of(*pdo->said, "map"));
     draft.error(place, "signal \"" + signal.name + "\" is " + std::string(canopen::name_of(signal.type)) + ", but " +
-                           pdo->said->name + " maps its object with " + std::to_string(field.bits) + " bits");
+                           pdo->said->name + " maps its object with " + std::to_string(field.bits) +
+                           " bits; they must agree");
     return;
   }
   // A site may know better whether sixteen bits have a sign; the length is the mapping's.
@@ -118,7 +119,8 @@ void check_writable_once(const DriveDraft& draft) {
     if (!signal.derived() && writable(signal.signal.access) &&
         same != draft.signals.begin() + static_cast<std::ptrdiff_t>(i)) {
       error_of(draft, signal, "object",
-               "writes " + canopen::to_string(signal.signal.object) + ", as \"" + same->signal.name + "\" does");
+               "writes " + canopen::to_string(signal.signal.object) + ", as \"" + same->signal.name +
+                   "\" does; leave one of them out");
     }
   }
 }

@@ -15,7 +15,7 @@ enum class Way : std::uint8_t { modbus, mqtt, local };
 
 std::optional<Writers> read_writers(const Node& node, const Complaint& complain) {
   static const Form<Way> way_form = choice<Way>({{"modbus", Way::modbus}, {"mqtt", Way::mqtt}, {"local", Way::local}});
-  if (!expect(node, NodeKind::list, complain)) {
+  if (!expect_list(node, complain)) {
     return std::nullopt;
   }
   Writers writers;

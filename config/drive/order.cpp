@@ -66,7 +66,8 @@ void resolve(const DriveDraft& draft, SignalDraft& derived, std::set<std::string
   const bool negative = derived.signal.derived->negative;
   if (word->derived() || !readable(word->signal.access) || canopen::is_real(type) ||
       (negative && !canopen::is_signed(type))) {
-    draft.error(in_the_site(place_of(*derived.said, "from"), place_of(*word->said, "type")),
+    const auto* const cause = readable(word->signal.access) ? "type" : "access";
+    draft.error(in_the_site(place_of(*derived.said, "from"), place_of(*word->said, cause)),
                 label + "reads \"" + from + "\", which must be a readable " +
                     (negative ? "signed integer" : "integer") + " with an object of its own");
     return;

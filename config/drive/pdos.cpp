@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/drive/builder.h"
+#include "config/schema/complaint.h"
 #include "config/text.h"
 #include "config/toml/document.h"
 
@@ -154,6 +155,19 @@ class PdoTaker {
   PdoSettings pdo_;
 };
 
+/// `its fields are control_command, 0x6042:00`
+std::string fields_of(const DriveDraft& draft, const PdoDraft& pdo) {
+  std::string all;
+  for (const canopen::MappedObject& field : pdo.settings.mapping) {
+    const auto& signals = draft.said.signals;
+    const auto signal =
+        std::find_if(signals.begin(), signals.end(), [&field](const auto& s) { return s.keys.object == field.object; });
+    all += (all.empty() ? "its fields are " : ", ") +
+           (signal != signals.end() ? signal->name : canopen::to_string(field.object));
+  }
+  return all;
+}
+
 /// The objects behind `unused`: names of signals, or objects.
 void take_unused(DriveDraft& draft, PdoDraft& pdo) {
   for (const Node* const item : read_texts(*pdo.said->table, "unused")) {
@@ -167,7 +181,8 @@ void take_unused(DriveDraft& draft, PdoDraft& pdo) {
     if (mapped) {
       pdo.unused.push_back(*object);
     } else {
-      draft.error(item->place, pdo.said->name + ": unused \"" + item->text + "\" is no field of it");
+      draft.error(item->place, pdo.said->name + ": unused " + in_quotes(item->text) + " is no field of it; " +
+                                   fields_of(draft, pdo));
     }
   }
   pdo.unused.insert(pdo.unused.end(), draft.unused.begin(), draft.unused.end());

@@ -29,8 +29,17 @@ const SectionOf<SlotKeys>& slot_section() {
            .required(),
        Field::checked("standard", numbered_texts(1, kLastSlot), "What they mean where the site states nothing."),
        Field("unconfirmed", &SlotKeys::unconfirmed, text(), "Why `check` warns until the site states them."),
-       named_key<SlotKeys>("meanings", signal_section(), is_signal_name, kSignalNameRule,
-                           "The signals to choose from, without `object`.")
+       Field::checked(
+           "meanings", "tables by name", Layering::by_name, &signal_section(),
+           [](const Node& node, const Complaint& complain) {
+             check_named(node, signal_section(), is_signal_name, kSignalNameRule, complain);
+             for (const Entry& meaning : node.entries) {
+               if (const Node* const object = meaning.value.find("object"); object != nullptr) {
+                 complain.at(meaning.key).at("object").value(object->place, "is that of its slot; leave it out here");
+               }
+             }
+           },
+           "The signals to choose from, without `object`.")
            .required()});
   return section;
 }

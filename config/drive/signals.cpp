@@ -13,8 +13,8 @@ namespace config {
 namespace {
 
 // Fixed topics beside the signals of a drive, and the key of a command's identifier.
-constexpr std::array<std::string_view, 10> kReserved{"state", "status",  "alarm",   "nmt",   "sdo",
-                                                     "set",   "control", "history", "drift", "id"};
+constexpr std::array<std::string_view, 10> kReservedSignals{"state", "status",  "alarm",   "nmt",   "sdo",
+                                                            "set",   "control", "history", "drift", "id"};
 
 /// As many decimals as show every step: 0.01 has 2, 0.25 has 2, 10 has none.
 unsigned decimals_of(double scale) {
@@ -38,9 +38,12 @@ class SignalTaker {
   /// Nothing where the signal is not enabled, or cannot be understood.
   std::optional<SignalDraft> take() {
     if (!keys_.enabled) {
+      if (!states("object") && !states("from")) {
+        explain_unknown();  // a misspelt one would go on
+      }
       return std::nullopt;
     }
-    if (std::find(kReserved.begin(), kReserved.end(), said_.name) != kReserved.end()) {
+    if (std::find(kReservedSignals.begin(), kReservedSignals.end(), said_.name) != kReservedSignals.end()) {
       error("", "cannot be called that: the name is that of a fixed topic");
     }
     if (!(states("from") ? take_derived() : take_word())) {
@@ -58,12 +61,11 @@ class SignalTaker {
   }
 
   bool take_derived() {
-    constexpr std::array kWithout{"object", "type", "scale",    "unit",        "source",
-                                  "min",    "max",  "values",   "momentary",   "momentary_mask",
-                                  "as",     "poll", "deadband", "publish_mask"};
+    constexpr std::array kWithout{"object",    "type",           "scale", "source", "min",  "max",      "values",
+                                  "momentary", "momentary_mask", "as",    "poll",   "unit", "deadband", "publish_mask"};
     for (const auto* const key : kWithout) {
       if (states(key)) {
-        error(key, std::string(key) + " has no meaning beside from");
+        error(key, "has " + std::string(key) + ", which has no meaning beside from; leave it out");
       }
     }
     if (keys_.access != Access::read) {
@@ -96,14 +98,16 @@ class SignalTaker {
 
   bool take_word() {
     if (!keys_.object.has_value() || !keys_.type.has_value()) {
-      if (!states("object") || !states("type")) {
+      if (!states("object") && !states("type")) {
         explain_unknown();
+      } else if (!states("object") || !states("type")) {
+        error("", std::string("has no ") + (states("type") ? "object" : "type") + "; a signal of your own needs both");
       }
       return false;
     }
     for (const auto* const key : {"mask", "equals", "negative"}) {
       if (states(key)) {
-        error(key, std::string(key) + " has a meaning only beside from");
+        error(key, "has " + std::string(key) + ", which has no meaning without from; leave it out");
       }
     }
     signal_.object = *keys_.object;
@@ -183,7 +187,7 @@ class SignalTaker {
     }
     signal_.momentary_mask = static_cast<std::uint64_t>(keys_.momentary_mask);
     if (!writable(signal_.access) && (!signal_.momentary.empty() || signal_.momentary_mask != 0)) {
-      error("momentary", "cannot be written, so nothing of it is momentary");
+      error(states("momentary") ? "momentary" : "momentary_mask", "cannot be written, so nothing of it is momentary");
     }
   }
 

@@ -9,7 +9,9 @@ constexpr std::size_t kLongestShown = 80;
 
 Complaint Complaint::at(std::string_view key) const {
   Complaint below = *this;
-  below.path_ += (path_.empty() ? "" : ".") + std::string(key.substr(0, kLongestShown));
+  const std::string shown(key.substr(0, kLongestShown));
+  below.path_ += (path_.empty() ? "" : ".") + shown;
+  below.heading_ += (heading_.empty() ? "" : ".") + shown;
   return below;
 }
 

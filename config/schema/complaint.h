@@ -32,8 +32,8 @@ class Complaint {
 
   /// `commands.deadline`; empty at the root.
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
-  /// The path as it stands between brackets in the site's file: `bus`, `drive.setup`.
-  [[nodiscard]] std::string header() const { return (where_.starts_with("drive ") ? "drive." : "") + path_; }
+  /// What stands between the brackets above such a table: `drive.commands`.
+  [[nodiscard]] const std::string& heading() const noexcept { return heading_; }
   [[nodiscard]] bool at_root() const noexcept { return path_.empty() && where_.empty(); }
 
  private:
@@ -41,6 +41,7 @@ class Complaint {
 
   std::string where_;
   std::string path_;
+  std::string heading_;
   Report* report_ = nullptr;
 };
 

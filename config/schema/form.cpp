@@ -49,7 +49,21 @@ std::string all_of(const std::vector<std::string_view>& texts) {
   return all;
 }
 
+/// `1..9`; without an end that only the number of bits sets.
+std::string range_of(std::int64_t min, std::int64_t max) {
+  const bool open = max == std::numeric_limits<std::int64_t>::max();
+  return open ? "from " + std::to_string(min) + " on" : std::to_string(min) + ".." + std::to_string(max);
+}
+
 }  // namespace
+
+bool expect_list(const Node& node, const Complaint& complain) {
+  if (node.kind == NodeKind::text) {
+    complain.value(node.place, "must be a list, not a string; write [" + in_quotes(node.text) + "]");
+    return false;
+  }
+  return expect(node, NodeKind::list, complain);
+}
 
 bool expect(const Node& node, NodeKind kind, const Complaint& complain, std::string_view example) {
   if (node.kind == kind) {
@@ -79,7 +93,8 @@ Form<std::int64_t> integer(std::int64_t min, std::int64_t max, std::string_view 
               return std::nullopt;
             }
             if (node.integer < min || node.integer > max) {
-              complain.value(node.place, std::to_string(node.integer) + " is out of range " + range + in_unit);
+              complain.value(node.place,
+                             std::to_string(node.integer) + " is out of range " + range_of(min, max) + in_unit);
               return std::nullopt;
             }
             return node.integer;
@@ -147,7 +162,7 @@ Form<canopen::Duration> duration(DurationRule rule) {
               complain.value(node.place, in_quotes(node.text) + " is out of range " + allowed +
                                              (is_zero ? std::string(rule.without) : ""));
             } else if (rule.whole_ms && !whole_milliseconds(*value)) {
-              complain.value(node.place, "must be whole milliseconds");
+              complain.value(node.place, in_quotes(node.text) + " must be whole milliseconds");
             } else {
               return value;
             }
@@ -223,17 +238,18 @@ Form<std::map<std::int64_t, std::string>> numbered_texts(std::int64_t min, std::
 }
 
 bool check_numbers(const Node& node, std::int64_t min, std::int64_t max, const Complaint& complain) {
-  if (!expect(node, NodeKind::table, complain)) {
+  if (!expect(node, NodeKind::table, complain, "{ 1 = \"…\" }")) {
     return false;
   }
+  const bool any = min == std::numeric_limits<std::int64_t>::min();
   bool good = true;
   std::set<std::int64_t> seen;
   for (const Entry& entry : node.entries) {
     const auto number = parse_integer(entry.key);
     if (!number.has_value() || *number < min || *number > max) {
       good = false;
-      complain.value(entry.key_place, "has the key " + in_quotes(entry.key) + ", which is no number in " +
-                                          std::to_string(min) + ".." + std::to_string(max));
+      complain.value(entry.key_place, "has the key " + in_quotes(entry.key) + ", which is no number" +
+                                          (any ? "" : " " + range_of(min, max)));
     } else if (!seen.insert(*number).second) {
       // No reason to read nothing: layers may spell one number in two ways, and the upper one counts.
       complain.value(entry.key_place, "names the number " + in_quotes(entry.key) + " twice");

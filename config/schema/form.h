@@ -37,6 +37,9 @@ struct Unit {
 /// True, or a complaint that the value is of another kind. `example` is how such a value looks, may be empty.
 bool expect(const Node& node, NodeKind kind, const Complaint& complain, std::string_view example = {});
 
+/// The same of a list.
+bool expect_list(const Node& node, const Complaint& complain);
+
 [[nodiscard]] Form<bool> boolean();
 [[nodiscard]] Form<std::int64_t> integer(std::int64_t min, std::int64_t max);
 /// One with a unit: `integer(1, 9, "bit/s", "250000")`.
@@ -111,10 +114,12 @@ template <class T>
             bool good = check_numbers(node, min, max, complain);
             std::map<std::int64_t, T> values;
             for (const Entry& entry : node.entries) {
-              auto value = read(entry.value, complain.at(entry.key));
+              const auto number = parse_integer(entry.key);
+              // Where the key is none, the value may be as it should: `{ run = 15 }`.
+              auto value = number.has_value() ? read(entry.value, complain.at(entry.key)) : std::nullopt;
               good = good && value.has_value();
               if (good) {
-                values.insert_or_assign(*parse_integer(entry.key), *std::move(value));
+                values.insert_or_assign(*number, *std::move(value));
               }
             }
             return good ? std::optional(std::move(values)) : std::nullopt;
@@ -127,7 +132,7 @@ template <class T>
 [[nodiscard]] Form<std::vector<T>> list(std::string type, Form<T> item) {
   return {.type = std::move(type),
           .read = [read = item.read](const Node& node, const Complaint& complain) -> std::optional<std::vector<T>> {
-            if (!expect(node, NodeKind::list, complain)) {
+            if (!expect_list(node, complain)) {
               return std::nullopt;
             }
             constexpr std::size_t kMost = 1000;

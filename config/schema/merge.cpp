@@ -1,68 +1,69 @@
 #include "config/schema/merge.h"
 
-#include <functional>
+#include <algorithm>
 
 #include "config/text.h"
 
 namespace config {
 namespace {
 
-using LayValue = std::function<void(Node& lower, const Entry& upper)>;
-
-bool are(NodeKind kind, const Node& one, const Node& other) {
-  return one.kind == kind && other.kind == kind;
-}
-
-/// The value of that key, where it stands for a number also in another spelling; null where there is none.
-Node* find_same(Node& table, const std::string& key) {
-  if (Node* const exact = table.find(key); exact != nullptr) {
+/// The entry of that key, where it stands for a number also in another spelling; null where there is none.
+Entry* find_same(Node& table, const std::string& key) {
+  Entry* const exact = table.find_entry(key);
+  const auto number = parse_integer(key);
+  if (exact != nullptr || !number.has_value()) {
     return exact;
   }
-  const auto number = parse_integer(key);
-  for (Entry& entry : table.entries) {
-    if (number.has_value() && parse_integer(entry.key) == number) {
-      return &entry.value;
-    }
-  }
-  return nullptr;
+  const auto found = std::find_if(table.entries.begin(), table.entries.end(),
+                                  [&number](const Entry& entry) { return parse_integer(entry.key) == number; });
+  return found == table.entries.end() ? nullptr : &*found;
 }
 
-/// Adds what is new, and lays the rest by `lay` where both are tables or lists; else the upper one replaces it.
-void lay_entries(Node& lower, const Node& upper, const LayValue& lay) {
+/// Lays the entries of a table over those of one that must be one, too, each by `lay`. What is no table has its finding
+/// and counts as left out.
+template <class Lay>
+void lay_entries(Node& lower, const Node& upper, Lay lay) {
+  if (lower.kind != NodeKind::table) {
+    lower = upper;
+    return;
+  }
   for (const Entry& entry : upper.entries) {
-    Node* const known = find_same(lower, entry.key);
-    if (known == nullptr) {
-      lower.entries.push_back(entry);
-    } else if (are(NodeKind::table, *known, entry.value) || are(NodeKind::list, *known, entry.value)) {
-      lay(*known, entry);
+    if (Entry* const known = find_same(lower, entry.key); known != nullptr) {
+      known->key_place = entry.key_place;
+      lay(known->value, entry);
     } else {
-      *known = entry.value;
+      lower.entries.push_back(entry);
     }
   }
 }
 
-void lay_keys(Node& lower, const Entry& upper) {
-  if (upper.value.kind == NodeKind::table) {
-    lay_entries(lower, upper.value, lay_keys);
+void lay_plain(Node& lower, const Entry& upper) {
+  if (lower.kind == NodeKind::table && upper.value.kind == NodeKind::table) {
+    lay_entries(lower, upper.value, lay_plain);
   } else {
     lower = upper.value;
   }
 }
 
 void lay_value(Node& lower, const Node& upper, const Key* key) {
-  const Layering layering = key == nullptr ? Layering::replace : key->layering;
-  const bool tables = upper.kind == NodeKind::table;
-  if (layering == Layering::table && tables) {
-    lay_over(lower, upper, *key->below);
-  } else if (layering == Layering::by_name && tables) {
-    lay_entries(lower, upper, [key](Node& known, const Entry& entry) { lay_over(known, entry.value, *key->below); });
-  } else if (layering == Layering::by_key && tables) {
-    lay_entries(lower, upper, lay_keys);
-  } else if (layering == Layering::append && !tables) {
-    lower.items.insert(lower.items.end(), upper.items.begin(), upper.items.end());
-  } else {
-    lower = upper;
+  switch (key == nullptr ? Layering::replace : key->layering) {
+    case Layering::table:
+      return lay_over(lower, upper, *key->below);
+    case Layering::by_name:
+      return lay_entries(lower, upper,
+                         [key](Node& known, const Entry& entry) { lay_over(known, entry.value, *key->below); });
+    case Layering::by_key:
+      return lay_entries(lower, upper, lay_plain);
+    case Layering::append:
+      if (lower.kind == NodeKind::list && upper.kind == NodeKind::list) {
+        lower.items.insert(lower.items.end(), upper.items.begin(), upper.items.end());
+        return;
+      }
+      break;
+    case Layering::replace:
+      break;
   }
+  lower = upper;
 }
 
 }  // namespace

@@ -36,12 +36,16 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// Few mistakes for its length, or one begins with the other: `maximum` for `max`.
-bool is_near(std::string_view name, std::string_view candidate, std::size_t mistakes) {
+/// One begins with the other: `maximum` for `max`.
+bool begins(std::string_view name, std::string_view candidate) {
   constexpr std::size_t kShortest = 3;
-  const bool begins = std::min(name.size(), candidate.size()) >= kShortest &&
-                      (name.starts_with(candidate) || candidate.starts_with(name));
-  return begins || 2 * mistakes <= std::min(std::max(name.size(), candidate.size()), kLongest);
+  return std::min(name.size(), candidate.size()) >= kShortest &&
+         (name.starts_with(candidate) || candidate.starts_with(name));
+}
+
+/// Few mistakes for its length.
+bool is_near(std::string_view name, std::string_view candidate, std::size_t mistakes) {
+  return 2 * mistakes <= std::min(std::max(name.size(), candidate.size()), kLongest);
 }
 
 }  // namespace
@@ -50,8 +54,10 @@ std::string_view nearest(std::string_view name, std::span<const std::string_view
   std::string_view best;
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const std::string_view candidate : candidates) {
-    const std::size_t mistakes = distance(name, candidate);
-    if (mistakes < least && is_near(name, candidate, mistakes)) {
+    const bool longer = begins(name, candidate);
+    // What is left out at the end is no typing mistake for each of its letters: `password` is `password_file`.
+    const std::size_t mistakes = distance(name, candidate) / (longer ? 2 : 1);
+    if (mistakes < least && (longer || is_near(name, candidate, mistakes))) {
       least = mistakes;
       best = candidate;
     }

@@ -34,20 +34,40 @@ void collect_names(const Section& section, std::vector<std::string_view>& names)
   }
 }
 
+std::string_view nearest_key(std::string_view name, const Section& section) {
+  std::vector<std::string_view> names;
+  collect_names(section, names);
+  return nearest(name, names);
+}
+
+/// The title of a table of this one that has such a key: `[[bus]]` for `bitrate`; empty where none has.
+std::string_view home_of(std::string_view name, const Section& section) {
+  for (const Key& key : section.keys()) {
+    if (key.below != nullptr && key.below->find(name) != nullptr) {
+      return key.below->title();
+    }
+  }
+  return {};
+}
+
 /// What to write instead of a key that is not known.
-std::string remedy_of(std::string_view name, const Section& section, const Complaint& complain) {
+std::string remedy_of(std::string name, const Section& section, const Complaint& complain) {
   constexpr std::size_t kFew = 8;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   if ((name.starts_with("tpdo") || name.starts_with("rpdo")) && section.find("tpdo1") != nullptr) {
-    return "PDOs are " + std::string(name.substr(0, 4)) + "1 to " + std::string(name.substr(0, 4)) +
-           std::to_string(kLastPdo);
+    return "PDOs are " + name.substr(0, 4) + "1 to " + name.substr(0, 4) + std::to_string(kLastPdo);
+  }
+  if (const auto near = nearest_key(name, section); !near.empty()) {
+    return "nearest is " + in_quotes(complain.at(near).path());
+  }
+  if (const auto home = home_of(name, section); !home.empty()) {
+    return "it is a key of " + std::string(home);
   }
   std::vector<std::string_view> names;
   collect_names(section, names);
-  if (const auto near = nearest(name, names); !near.empty()) {
-    return "nearest is " + in_quotes(complain.at(near).path());
-  }
   if (names.size() > kFew) {
-    return "none of the keys of " + section.title() + " is like it; CONFIGURATION.md lists them";
+    return "no key that is known here is like it; CONFIGURATION.md lists them";
   }
   std::string all;
   for (const std::string_view each : names) {
@@ -69,6 +89,14 @@ void check_entry(const Entry& entry, const Section& section, const Complaint& co
   } else {
     key->check(entry.value, below);
   }
+}
+
+/// A required key that is not there, nor what may stand for it, nor a misspelling of it, which has its own finding.
+bool is_missing(const Node& table, const Key& key, const Section& section) {
+  return table.find(key.name) == nullptr && table.find(key.unless) == nullptr &&
+         std::none_of(table.entries.begin(), table.entries.end(), [&](const Entry& entry) {
+           return section.find(entry.key) == nullptr && nearest_key(entry.key, section) == key.name;
+         });
 }
 
 void render(const Section& section, std::vector<const Section*>& done, std::string& out) {
@@ -110,6 +138,10 @@ const Key* Section::find(std::string_view name) const noexcept {
 }
 
 void check_table(const Node& table, const Section& section, const Complaint& complain) {
+  if (table.kind == NodeKind::list && !table.items.empty() && table.items[0].kind == NodeKind::table) {
+    complain.value(table.place, "is one table; write [" + complain.heading() + "], with single brackets, once");
+    return;
+  }
   if (!expect(table, NodeKind::table, complain)) {
     return;
   }
@@ -118,24 +150,26 @@ void check_table(const Node& table, const Section& section, const Complaint& com
   }
   for (const Section* at = &section; at != nullptr; at = at->also()) {
     for (const Key& key : at->keys()) {
-      if (key.required && table.find(key.name) == nullptr && table.find(key.unless) == nullptr) {
-        complain.at(key.name).value(table.place, "is missing");
+      if (key.required && is_missing(table, key, section)) {
+        complain.at(key.name).value(
+            table.place, key.type == "tables" ? "is missing; write at least one [[" + key.name + "]]" : "is missing");
       }
     }
   }
 }
 
 void check_tables(const Node& list, const Section& section, const Complaint& complain) {
-  if (list.kind == NodeKind::table) {
-    complain.value(list.place, "is a list; write [[" + complain.header() + "]], with two brackets, for each of them");
-    return;
-  }
-  if (!expect(list, NodeKind::list, complain)) {
+  const std::string remedy = "; write [[" + complain.heading() + "]], with two brackets, for each of them";
+  if (list.kind != NodeKind::list) {
+    complain.value(list.place, list.kind == NodeKind::table
+                                   ? "is a list" + remedy
+                                   : "must be a list, not " + std::string(name_of(list.kind)) + remedy);
     return;
   }
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const Node& item = list.items[i];
-    if (!expect(item, NodeKind::table, complain)) {
+    if (item.kind != NodeKind::table) {
+      complain.value(item.place, "must be a list of tables, not of " + std::string(name_of(item.kind)) + remedy);
       continue;
     }
     const Node* const name = section.find("name") == nullptr ? nullptr : item.find("name");

@@ -67,6 +67,7 @@ void check_units(const Model& model, const Tables& tables, Report& report) {
   for (const Drive& drive : model.drives) {
     taken.insert(drive.unit.value_or(0));
   }
+  const auto states_unit = [&tables](std::size_t i) { return tables[i]->find("unit") != nullptr; };
   std::map<unsigned, std::size_t> owners;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
     const Drive& drive = model.drives[i];
@@ -75,17 +76,13 @@ void check_units(const Model& model, const Tables& tables, Report& report) {
       continue;
     }
     const auto [owner, first] = owners.try_emplace(unit, i);
-    if (!first) {
-      const Drive& other = model.drives[owner->second];
-      if (other.bus == drive.bus && other.node.node == drive.node.node && other.unit == unit &&
-          drive.node.node == unit) {
-        continue;  // two of one node id have their finding
-      }
-      const bool stated = tables[i]->find("unit") != nullptr;
+    const bool stated = states_unit(i);
+    // Two that have the unit of one node id on one bus have their finding already.
+    if (!first && (stated || states_unit(owner->second) || model.drives[owner->second].bus != drive.bus)) {
       report.error(place_of(*tables[i], stated ? "unit" : "node"),
                    "drive \"" + drive.name + "\": Modbus unit " + std::to_string(unit) +
-                       (stated ? "" : " (its node id, as no unit is given)") + " is that of drive \"" + other.name +
-                       "\"; " + free_number(taken, kLastUnit));
+                       (stated ? "" : " (its node id, as no unit is given)") + " is that of drive \"" +
+                       model.drives[owner->second].name + "\"; " + free_number(taken, kLastUnit));
     }
   }
 }

@@ -30,11 +30,12 @@ bool is_v4_host(std::string_view host) {
 /// A host name (RFC 1123, with the underscore that many have), or an IPv4 address. What ends in a number is an address:
 /// the system would read 0x7f.1 as one (RFC 3986 §7.4).
 bool is_host(std::string_view host) {
-  constexpr std::size_t kLongest = 253;
-  const bool letters = !host.empty() && host.size() <= kLongest && std::all_of(host.begin(), host.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
-           c == '_';
-  });
+  constexpr std::size_t kLongestHost = 253;
+  const bool letters =
+      !host.empty() && host.size() <= kLongestHost && std::all_of(host.begin(), host.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
+               c == '_';
+      });
   if (!letters) {
     return false;
   }
@@ -140,6 +141,11 @@ std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain)
     complain.value(node.place, in_quotes(node.text) + " is not supported by this version; only mqtt:// is");
     return std::nullopt;
   }
+  if (node.text.find('@') != std::string::npos) {
+    // Not shown: what stands before the '@' is mostly a password.
+    complain.value(node.place, "must be mqtt://HOST:PORT; a name goes to username, and a password into password_file");
+    return std::nullopt;
+  }
   const bool schemed = node.text.starts_with(kScheme);
   auto broker = schemed ? parse_endpoint(std::string_view(node.text).substr(kScheme.size())) : std::nullopt;
   if (!broker.has_value()) {
@@ -183,8 +189,8 @@ Form<Endpoint> endpoint() {
             }
             auto value = parse_endpoint(node.text);
             if (!value.has_value()) {
-              complain.value(node.place,
-                             in_quotes(node.text) + " must be an address and a port, such as \"0.0.0.0:502\"");
+              complain.value(node.place, in_quotes(node.text) +
+                                             " must be an address and a port, such as \"0.0.0.0:502\" or \"[::]:502\"");
             }
             return value;
           },

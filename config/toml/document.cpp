@@ -1,6 +1,7 @@
 #include "config/toml/document.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -89,20 +90,41 @@ Place place_of(const toml::source_region& region, std::uint16_t file) {
   return {file, static_cast<std::uint32_t>(region.begin.line), static_cast<std::uint32_t>(region.begin.column)};
 }
 
-/// The library's description without its refrain, and with what a line break inside of a string mostly means.
+struct Remedy {
+  std::string_view sign;  ///< What the library says.
+  std::string_view text;  ///< What then mostly helps.
+};
+
+constexpr std::string_view kQuote =
+    "; durations, names, addresses and objects need straight quotation marks, true and false none";
+constexpr std::string_view kOnce = "; a key, and the heading of a table, stand there once";
+constexpr std::array<Remedy, 14> kRemedies{{
+    {"control characters", "; is the closing quotation mark missing?"},
+    {"integer: expected digit", kQuote},
+    {"floating-point: expected", kQuote},
+    {"value type", kQuote},
+    {"expected '='", "; write KEY = VALUE, the key of letters, digits, '_' and '-'"},
+    {"expected value", "; write KEY = VALUE"},
+    {"a comment or whitespace", "; the value ends before that: decimals have a point, digits no blanks"},
+    {"leading zero", "; write the number without them"},
+    {"as array-of-tables", "; its [[…]] comes before the tables that belong to it"},
+    {"cannot redefine", kOnce},
+    {"whitespace or comments", "; a comment begins with #"},
+    {"utf-8", "; save the file as UTF-8"},
+    {"escape sequence", "; between single quotation marks a backslash is one"},
+    {"inline table", "; what stands in { } stands in one line"},
+}};
+
+/// The library's description without its refrain, and with a remedy.
 std::string in_our_words(std::string_view description) {
   constexpr std::string_view kRefrain = "Error while parsing ";
   if (description.starts_with(kRefrain)) {
     description.remove_prefix(kRefrain.size());
   }
-  std::string text = "not TOML: " + std::string(description);
-  if (description.find("control characters") != std::string_view::npos) {
-    text += "; is the closing quotation mark missing?";
-  } else if (description.starts_with("decimal integer: expected digit") ||
-             description.find("value type") != std::string_view::npos) {
-    text += "; durations, names and objects need quotation marks";
-  }
-  return text;
+  const auto* const remedy = std::find_if(kRemedies.begin(), kRemedies.end(), [&](const Remedy& each) {
+    return description.find(each.sign) != std::string_view::npos;
+  });
+  return "not TOML: " + std::string(description) + std::string(remedy == kRemedies.end() ? "" : remedy->text);
 }
 
 bool before(const Entry& a, const Entry& b) {
@@ -185,8 +207,13 @@ const Node* Node::find(std::string_view key) const noexcept {
 }
 
 Node* Node::find(std::string_view key) noexcept {
+  Entry* const found = find_entry(key);
+  return found == nullptr ? nullptr : &found->value;
+}
+
+Entry* Node::find_entry(std::string_view key) noexcept {
   const auto found = std::find_if(entries.begin(), entries.end(), [key](const Entry& e) { return e.key == key; });
-  return found == entries.end() ? nullptr : &found->value;
+  return found == entries.end() ? nullptr : &*found;
 }
 
 std::variant<Node, ParseFailure> parse_toml(std::string_view text, std::uint16_t file) {

@@ -33,6 +33,7 @@ struct Node {
   /// The value of a key; null where there is none, or this is no table.
   [[nodiscard]] const Node* find(std::string_view key) const noexcept;
   [[nodiscard]] Node* find(std::string_view key) noexcept;
+  [[nodiscard]] Entry* find_entry(std::string_view key) noexcept;
 };
 
 struct Entry {

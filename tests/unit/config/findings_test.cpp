@@ -51,7 +51,8 @@ TEST(Findings, OfAFileThatIsNotThereNameIt) {
 
 TEST(Findings, AnEmptyFileLacksWhatIsRequired) {
   EXPECT_THAT(errors_of(load_site("")),
-              ElementsAre("gateway.toml:1:1: error: bus is missing", "gateway.toml:1:1: error: drive is missing"));
+              ElementsAre("gateway.toml:1:1: error: bus is missing; write at least one [[bus]]",
+                          "gateway.toml:1:1: error: drive is missing; write at least one [[drive]]"));
 }
 
 TEST(Findings, RequiredKeysAreNamed) {
