@@ -12,13 +12,13 @@ std::variant<FileFacts, FileFailure> look_at_file(const std::filesystem::path& p
   constexpr std::uintmax_t kLargest = std::uintmax_t{1} << 20U;
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) {
+  if (error == std::errc::no_such_file_or_directory) {
     if (is_absent(path)) {
       return FileFailure{"no such file"};
     }
     return FileFailure{std::filesystem::is_symlink(std::filesystem::symlink_status(path, error))
                            ? "the link leads nowhere"
-                           : "its directory is none, or a link that leads nowhere"};
+                           : "its directory is a link that leads nowhere"};
   }
   if (error) {
     return FileFailure{error.message()};

@@ -102,6 +102,11 @@ TEST_F(FilesTest, DirectoryOfProfilesThatCannotBeSearchedIsTold) {
   write("profiles", "");
   EXPECT_THAT(findings(), ElementsAre(begin + "profiles/cia402-velocity.toml: Not a directory"));
   fs::remove("profiles");
+  fs::create_symlink("nowhere", "profiles");
+  EXPECT_THAT(findings(),
+              ElementsAre(begin + "profiles/cia402-velocity.toml: its directory is a link that leads nowhere"))
+      << "a share that is not mounted";
+  fs::remove("profiles");
   EXPECT_THAT(findings(), ElementsAre()) << "most sites have no profiles of their own";
 }
 

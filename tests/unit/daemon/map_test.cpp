@@ -40,7 +40,7 @@ std::string compact(const std::string& json) {
 TEST(MapAsJson, IsThatOfTheContract) {
   const std::string text = render_map(line3(), MapFormat::json);
   EXPECT_EQ(compact(text), compact(R"({"gateway": "line3", "base": "canopen/line3",
- "buses": [{"name": "can0", "bitrate": null, "load": null, "load_worst": null}],
+ "buses": [{"name": "can0", "bitrate": null, "load": null, "load_worst": null, "at_least": false}],
  "drives": [{"name": "pump1", "bus": "can0", "node": 5, "profile": "own", "modbus_unit": 5,
    "signals": [{"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz",
                 "access": "read", "source": "tpdo1", "min": null, "max": null, "values": null,
@@ -52,7 +52,7 @@ TEST(MapAsJson, IsThatOfTheContract) {
 TEST(MapAsJson, HasASignalALineAndItsKeysInOrder) {
   EXPECT_EQ(render_map(line3(), MapFormat::json),
             R"({"gateway": "line3", "base": "canopen/line3", "buses": [
-  {"name": "can0", "bitrate": null, "load": null, "load_worst": null}], "drives": [
+  {"name": "can0", "bitrate": null, "load": null, "load_worst": null, "at_least": false}], "drives": [
   {"name": "pump1", "bus": "can0", "node": 5, "profile": "own", "modbus_unit": 5, "signals": [
     {"name": "output_frequency", "object": "0x2021:02", "type": "u16", "scale": 0.01, "unit": "Hz", )"
             R"("access": "read", "source": "tpdo1", "min": null, "max": null, "values": null, )"

@@ -28,7 +28,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 
 }  // namespace
 
-Program::Program(const std::vector<std::string>& arguments, const std::vector<std::string>& variables) {
+Program::Program(const std::vector<std::string>& arguments, const std::vector<std::string>& variables, Output output) {
   std::vector<std::string> words{GATEWAY_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = variables;  // The first of a name counts.
@@ -36,7 +36,8 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
     environment.emplace_back(*variable);
   }
   Pipe pipe = make_pipe();
-  environment.insert(environment.begin(), "JOURNAL_STREAM=" + as_journal(pipe.in.get()));
+  environment.insert(environment.begin(),
+                     "JOURNAL_STREAM=" + (output == Output::journal ? as_journal(pipe.in.get()) : std::string()));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,8 +16,10 @@ namespace gateway::test {
 /// canopen-gateway as a process of its own, with standard input at its end. No wait is longer than 30 s.
 class Program {
  public:
-  /// `variables`: `NAME=value`, in its environment besides ours. What it writes counts as going to the journal.
-  explicit Program(const std::vector<std::string>& arguments, const std::vector<std::string>& variables = {});
+  enum class Output : std::uint8_t { plain, journal };
+  /// `variables`: `NAME=value`, in its environment besides ours. `output`: what that counts as which it writes.
+  explicit Program(const std::vector<std::string>& arguments, const std::vector<std::string>& variables = {},
+                   Output output = Output::plain);
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;

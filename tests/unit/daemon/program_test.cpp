@@ -71,7 +71,8 @@ class Running : public testing::Test {
  protected:
   NotifySocket manager_;
   TemporaryFile site_{kSite};
-  Program program_{with(site_, "run"), {"NOTIFY_SOCKET=" + manager_.name(), "WATCHDOG_USEC=300000"}};
+  Program program_{
+      with(site_, "run"), {"NOTIFY_SOCKET=" + manager_.name(), "WATCHDOG_USEC=300000"}, Program::Output::journal};
 };
 
 class RunningUntilASignal : public Running, public testing::WithParamInterface<int> {};
