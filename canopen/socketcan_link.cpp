@@ -119,7 +119,7 @@ SendResult SocketCanLink::send(const Frame& frame) {
     return SendResult::busy;
   }
   gone_ = gone_ || tells_that_it_is_gone(errno);
-  look_again_.arm(Clock::now());
+  look_again_.arm_no_later_than(Clock::now());
   return SendResult::down;
 }
 
@@ -134,7 +134,7 @@ TimePoint SocketCanLink::heard_until() {
   // Where the socket ran over, the newest frames are lost, and the kernel tells so with the next one only. Silence must
   // not be decided without knowing of them.
   if (socketcan::dropped_so_far(socket_->get()).value_or(dropped_) != dropped_) {
-    count_again_.arm(now);
+    count_again_.arm_no_later_than(now);
     return clock_.heard_until();
   }
   return now;
