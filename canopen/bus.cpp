@@ -51,6 +51,10 @@ void Bus::withdraw(std::uint32_t cob_id) {
   core_->withdraw(cob_id);
 }
 
+TimePoint Bus::heard_until() const {
+  return core_->heard_until();
+}
+
 const BusState& Bus::state() const noexcept {
   return core_->state();
 }

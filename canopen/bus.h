@@ -62,6 +62,12 @@ class Bus {
   /// repeat().
   void withdraw(std::uint32_t cob_id);
 
+  /// Every frame that was received before this moment has been delivered (Link::heard_until).
+  [[nodiscard]] TimePoint heard_until() const;
+  /// A frame that was received before `until` may still be delivered: silence until then is not certain yet. While the
+  /// loop lags behind this outlasts `until`; wait with or_soon().
+  [[nodiscard]] bool may_still_hear(TimePoint until) const { return Clock::now() < until || heard_until() < until; }
+
   [[nodiscard]] const BusState& state() const noexcept;
   [[nodiscard]] const BusStatistics& statistics() const noexcept;
   [[nodiscard]] const BusSettings& settings() const noexcept;

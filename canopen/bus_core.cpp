@@ -117,6 +117,9 @@ const BusStatistics& Bus::Core::statistics() {
 }
 
 void Bus::Core::on_frames(std::span<const Received> frames) {
+  if (!state_.up()) {
+    return;  // They are from before, and say nothing of the bus that is to come.
+  }
   for (const Received& received : frames) {
     ++statistics_.frames_received;
     load_.add(received.frame, received.at);
@@ -130,6 +133,9 @@ void Bus::Core::on_frames(std::span<const Received> frames) {
 }
 
 void Bus::Core::on_echo(const Frame& frame, TimePoint at) {
+  if (!state_.up()) {
+    return;
+  }
   ++statistics_.frames_sent;
   load_.add(frame, at);
   queue_.on_echo(frame, at);

@@ -29,6 +29,7 @@ class Bus::Core final : public LinkEvents {
   bool send(const Frame& frame, bool (TransmitQueue::*push)(const Frame&, TimePoint));
   boost::asio::awaitable<Result<void>> send_command(Frame frame, TimePoint deadline);
   void withdraw(std::uint32_t cob_id) { queue_.withdraw(cob_id); }
+  [[nodiscard]] TimePoint heard_until() const { return link_->heard_until(); }
   const BusStatistics& statistics();
 
   void on_frames(std::span<const Received> frames) override;

@@ -28,6 +28,11 @@ WallTime wall_now() noexcept {
   return std::chrono::time_point_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now());
 }
 
+TimePoint or_soon(TimePoint at) noexcept {
+  const TimePoint now = Clock::now();
+  return at > now ? at : now + std::chrono::milliseconds(1);
+}
+
 ManualTime::ManualTime() noexcept {
   using namespace std::chrono;
   stopped.monotonic = TimePoint(hours(1));

@@ -29,6 +29,10 @@ using WallTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 /// No deadline, or nothing due.
 inline constexpr TimePoint kNever = TimePoint::max();
 
+/// `at`, or in a millisecond where that has passed: when to look again for what a loop that lags behind has yet to
+/// read.
+[[nodiscard]] TimePoint or_soon(TimePoint at) noexcept;
+
 /// While one lives, both clocks stand still and move only by advance(). Single-threaded tests only.
 class ManualTime {
  public:

@@ -34,14 +34,18 @@ std::optional<HeartbeatMessage> decode_heartbeat(std::span<const std::uint8_t> b
 }
 
 HeartbeatConsumer::HeartbeatConsumer(const boost::asio::any_io_executor& executor, Duration timeout,
-                                     std::function<void()> on_silence)
-    : timeout_(timeout), on_silence_(std::move(on_silence)), wake_up_(executor, [this] { look(); }) {}
+                                     std::function<void()> on_silence, MayStillHear may_still_hear)
+    : timeout_(timeout),
+      on_silence_(std::move(on_silence)),
+      may_still_hear_(std::move(may_still_hear)),
+      wake_up_(executor, [this] { look(); }) {}
 
 void HeartbeatConsumer::watch(TimePoint from) {
   if (timeout_ <= Duration::zero()) {
     return;
   }
   last_ = from;
+  first_loss_.reset();
   watching_ = true;
   wake_up_.arm(last_ + timeout_);
 }
@@ -53,6 +57,12 @@ void HeartbeatConsumer::suspend() {
 
 void HeartbeatConsumer::alive(TimePoint at) noexcept {
   last_ = std::max(last_, at);
+  first_loss_.reset();
+}
+
+void HeartbeatConsumer::frames_lost(TimePoint now) noexcept {
+  first_loss_ = first_loss_.value_or(now);
+  last_ = std::max(last_, std::min(now, *first_loss_ + timeout_));
 }
 
 // The timer runs to the end that was right when it was armed; messages since then have moved that end.
@@ -61,8 +71,8 @@ void HeartbeatConsumer::look() {
     return;
   }
   const TimePoint end = last_ + timeout_;
-  if (Clock::now() < end) {
-    wake_up_.arm(end);
+  if (may_still_hear_(end)) {
+    wake_up_.arm(or_soon(end));
     return;
   }
   watching_ = false;

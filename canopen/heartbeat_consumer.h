@@ -26,8 +26,13 @@ struct HeartbeatMessage {
 /// Watches over a node's heartbeat: tells once when it was silent for too long. A message costs no timer.
 class HeartbeatConsumer {
  public:
-  /// `timeout` zero: never silent. `on_silence` may call watch().
-  HeartbeatConsumer(const boost::asio::any_io_executor& executor, Duration timeout, std::function<void()> on_silence);
+  /// Bus::may_still_hear.
+  using MayStillHear = std::function<bool(TimePoint until)>;
+
+  /// `timeout` zero: never silent. `on_silence` may call watch(). Silence is told only where nothing that was received
+  /// in time may still be delivered.
+  HeartbeatConsumer(const boost::asio::any_io_executor& executor, Duration timeout, std::function<void()> on_silence,
+                    MayStillHear may_still_hear);
 
   /// Silence counts from `from` on, whatever was before.
   void watch(TimePoint from);
@@ -35,6 +40,9 @@ class HeartbeatConsumer {
   void suspend();
   /// A message came.
   void alive(TimePoint at) noexcept;
+  /// Frames were lost up to now, a message may have been among them: silence counts from now on. Where more are lost
+  /// again and again, it is told at the latest two timeouts after the first loss that no message followed.
+  void frames_lost(TimePoint now) noexcept;
   [[nodiscard]] bool watching() const noexcept { return watching_; }
 
  private:
@@ -42,7 +50,9 @@ class HeartbeatConsumer {
 
   Duration timeout_;
   std::function<void()> on_silence_;
-  TimePoint last_{};
+  MayStillHear may_still_hear_;
+  TimePoint last_{};                     ///< Silence counts from then on.
+  std::optional<TimePoint> first_loss_;  ///< Since the last message.
   bool watching_ = false;
   WakeUp wake_up_;
 };

@@ -12,7 +12,7 @@ namespace canopen {
 /// A frame with the moment it was received.
 struct Received {
   Frame frame;
-  TimePoint at;   ///< Monotonic, taken once per receive batch.
+  TimePoint at;   ///< When it was received, not when it was read; never before that of an earlier frame.
   WallTime wall;  ///< The kernel's receive stamp.
 };
 
@@ -23,6 +23,7 @@ class LinkEvents {
   virtual void on_frames(std::span<const Received> frames) = 0;
   /// Our own frame came back: it has left on the bus (an interface without IFF_ECHO echoes on hand-over).
   virtual void on_echo(const Frame& frame, TimePoint at) = 0;
+  /// Frames and echoes that come while the bus is not up are from before, and to be ignored.
   virtual void on_bus_state(const BusState& state) = 0;
   /// `count` received frames were dropped before we read them (SO_RXQ_OVFL).
   virtual void on_frames_lost(std::uint32_t count) = 0;
@@ -51,6 +52,9 @@ class Link {
   /// No event is delivered once this returns.
   virtual void close() = 0;
   [[nodiscard]] virtual SendResult send(const Frame& frame) = 0;
+  /// Every frame that was received before this moment has been delivered. After a stall of the process it lies behind
+  /// until what waited was read: who decides on silence asks this clock. May cost system calls.
+  [[nodiscard]] virtual TimePoint heard_until() { return Clock::now(); }
 };
 
 }  // namespace canopen

@@ -112,11 +112,11 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::bring_up(FoundState found) 
 boost::asio::awaitable<bool> RemoteNode::Supervisor::heartbeat_after(TimePoint since) {
   const TimePoint until = Clock::now() + settings_.error_control.heartbeat_timeout;
   const std::uint64_t interruptions = sdo_.interruptions();
-  while (Clock::now() < until && sdo_.interruptions() == interruptions) {
+  while (bus_.may_still_hear(until) && sdo_.interruptions() == interruptions) {
     if (signs_.heartbeat_at && *signs_.heartbeat_at >= since) {
       co_return true;
     }
-    co_await changed_.wait_until(until);
+    co_await changed_.wait_until(or_soon(until));
   }
   co_return false;
 }
@@ -144,8 +144,8 @@ boost::asio::awaitable<std::optional<BootFailure>> RemoteNode::Supervisor::start
     signs_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
     arrive(Arrival::booted);
   }
-  while (phase_ == Phase::starting && left.has_value() && Clock::now() < nmt_grace_end_) {
-    co_await changed_.wait_until(nmt_grace_end_);
+  while (phase_ == Phase::starting && left.has_value() && bus_.may_still_hear(nmt_grace_end_)) {
+    co_await changed_.wait_until(or_soon(nmt_grace_end_));
   }
   if (phase_ == Phase::online) {
     co_return std::nullopt;

@@ -26,7 +26,10 @@ void RemoteNode::Supervisor::subscribe() {
                                             [this, i](const Received& received) { on_tpdo(tpdos_[i], received); }));
   }
   subscriptions_.push_back(bus_.subscribe_state([this](const BusState& state) { on_bus_state(state); }));
-  subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) { events_.on_frames_lost(); }));
+  subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) {
+    watch_.frames_lost(Clock::now());
+    events_.on_frames_lost();
+  }));
 }
 
 void RemoteNode::Supervisor::on_error_control(const Received& received) {

@@ -29,8 +29,9 @@ RemoteNode::Supervisor::Supervisor(boost::asio::any_io_executor executor, Bus& b
       ended_(executor_),
       sdo_(executor_, bus, settings_.node, settings_.sdo),
       rpdos_(executor_, bus, settings_.node, settings_.rpdos),
-      watch_(executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
-             [this] { on_silence(); }) {
+      watch_(
+          executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
+          [this] { on_silence(); }, [this](TimePoint until) { return bus_.may_still_hear(until); }) {
   sdo_.on_abort(
       [this](std::uint32_t code) { change_status([code](NodeStatus& status) { status.last_abort = code; }); });
   sdo_.on_remark([this](std::string_view text) { events_.on_remark(std::string(text)); });
@@ -70,6 +71,10 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::stop() {
   }
   co_await sdo_.until_idle();
   co_await rpdos_.until_idle();
+}
+
+TimePoint RemoteNode::Supervisor::heard_until() const {
+  return bus_.heard_until();
 }
 
 bool RemoteNode::Supervisor::tpdo_verified(std::uint16_t number) const noexcept {

@@ -42,6 +42,7 @@ class RemoteNode::Supervisor final : private NmtLine {
 
   [[nodiscard]] const NodeSettings& settings() const noexcept { return settings_; }
   [[nodiscard]] const NodeStatus& status() const noexcept { return status_; }
+  [[nodiscard]] TimePoint heard_until() const;
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
   [[nodiscard]] RpdoSender& rpdos() noexcept { return rpdos_; }
 

@@ -27,6 +27,10 @@ const NodeStatus& RemoteNode::status() const noexcept {
   return supervisor_->status();
 }
 
+TimePoint RemoteNode::heard_until() const {
+  return supervisor_->heard_until();
+}
+
 bool RemoteNode::tpdo_verified(std::uint16_t number) const noexcept {
   return supervisor_->tpdo_verified(number);
 }

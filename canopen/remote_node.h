@@ -31,6 +31,9 @@ class RemoteNode {
 
   [[nodiscard]] const NodeSettings& settings() const noexcept;
   [[nodiscard]] const NodeStatus& status() const noexcept;
+  /// What its bus received before this moment has been told. Behind the clock after a stall of the process, until what
+  /// waited was read: nothing is overdue that may still come.
+  [[nodiscard]] TimePoint heard_until() const;
   /// The drive confirmed (or was given) the transmission type and timers of this TPDO, so `period` can be relied on.
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
 

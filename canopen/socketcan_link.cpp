@@ -9,12 +9,15 @@
 #include <optional>
 #include <utility>
 
+#include "canopen/socketcan/driver.h"
 #include "canopen/socketcan/error_frame.h"
 #include "canopen/socketcan/interface_bell.h"
 #include "canopen/socketcan/interface_query.h"
+#include "canopen/socketcan/interface_state.h"
 #include "canopen/socketcan/raw_socket.h"
 #include "canopen/socketcan/readable.h"
 #include "canopen/socketcan/receive_batch.h"
+#include "canopen/socketcan/receive_clock.h"
 #include "canopen/wake_up.h"
 
 namespace canopen {
@@ -24,37 +27,47 @@ using socketcan::Interface;
 using socketcan::Readable;
 using socketcan::ReceiveBatch;
 
-// The controller's state and counters are read once a second where the driver tells them: an error frame may be lost.
-// As often a missing interface is looked for, should the bell have been deaf.
+// The interface is asked for again should an error frame have been lost or the bell have been deaf. The question may
+// have to wait for others in the kernel (rtnl lock), so it is put less often while all is well.
 constexpr Duration kLookAgain = std::chrono::seconds(1);
+constexpr Duration kLookAtHealthy = std::chrono::seconds(5);
+
+bool tells_that_it_is_gone(int error) noexcept {
+  return error == ENODEV || error == ENXIO || error == ENETUNREACH || error == ENETDOWN;
+}
 
 class SocketCanLink final : public Link {
  public:
-  SocketCanLink(boost::asio::any_io_executor executor, std::string interface, LinkNotice notice)
+  SocketCanLink(boost::asio::any_io_executor executor, std::string interface, EchoProves echo, LinkNotice notice)
       : executor_(std::move(executor)),
         name_(std::move(interface)),
+        echo_(echo),
         notice_(std::move(notice)),
-        look_again_(executor_, [this] { look(); }) {}
+        look_again_(executor_, [this] { look(); }),
+        count_again_(executor_, [this] { count_losses(socketcan::dropped_so_far(socket_->get())); }) {}
 
   void open(LinkEvents& events) override;
   void close() override;
   SendResult send(const Frame& frame) override;
+  TimePoint heard_until() override;
 
  private:
   /// Asks for the interface, opens or closes the socket, and tells a changed state.
   void look();
   void open_socket(const Interface& interface);
-  [[nodiscard]] BusState state_of(const Interface& interface) const noexcept;
+  void drop_socket();  ///< With all that waits in it, which is from before.
+  void tell_of_limits(const Interface& interface, int receive_buffer);
   void tell(const BusState& state);
   void notice(const std::string& text) const;
 
   void receive();
   void deliver(std::size_t count);
-  void count_losses(const ReceiveBatch::Item& item);
+  void count_losses(std::optional<std::uint32_t> dropped);
   void on_error_frame(const Frame& frame);
 
   boost::asio::any_io_executor executor_;
   std::string name_;
+  EchoProves echo_;
   LinkNotice notice_;
   LinkEvents* events_ = nullptr;  ///< Nothing: closed.
   std::optional<socketcan::InterfaceQuery> query_;
@@ -62,10 +75,14 @@ class SocketCanLink final : public Link {
   std::optional<Readable> socket_;
   int interface_index_ = 0;  ///< Of the socket.
   int failed_index_ = 0;     ///< Of the interface whose socket could not be opened.
+  int told_index_ = 0;       ///< Of the interface whose limits were told of.
+  bool gone_ = false;        ///< A frame could not be sent, since the socket's interface went away.
   WakeUp look_again_;
+  WakeUp count_again_;
   ReceiveBatch batch_;
+  socketcan::ReceiveClock clock_;
   std::array<Received, ReceiveBatch::kCapacity> received_{};
-  std::uint32_t dropped_ = 0;  ///< The kernel's count for this socket as of the last frame.
+  std::uint32_t dropped_ = 0;  ///< The kernel's count for this socket, as told.
   std::optional<BusState> told_;
 };
 
@@ -83,9 +100,8 @@ void SocketCanLink::close() {
   events_ = nullptr;
   look_again_.cancel();
   bell_.reset();
-  socket_.reset();
+  drop_socket();
   query_.reset();
-  interface_index_ = 0;
   told_.reset();
 }
 
@@ -102,32 +118,65 @@ SendResult SocketCanLink::send(const Frame& frame) {
   if (errno == EAGAIN || errno == ENOBUFS || errno == EINTR || errno == ENOMEM) {
     return SendResult::busy;
   }
-  look_again_.arm(Clock::now());
+  gone_ = gone_ || tells_that_it_is_gone(errno);
+  look_again_.arm_no_later_than(Clock::now());
   return SendResult::down;
 }
 
+TimePoint SocketCanLink::heard_until() {
+  const TimePoint now = Clock::now();
+  if (!socket_) {
+    return now;
+  }
+  if (socketcan::has_something_to_read(socket_->get())) {
+    return clock_.heard_until();
+  }
+  // Where the socket ran over, the newest frames are lost, and the kernel tells so with the next one only. Silence must
+  // not be decided without knowing of them.
+  if (socketcan::dropped_so_far(socket_->get()).value_or(dropped_) != dropped_) {
+    count_again_.arm_no_later_than(now);
+    return clock_.heard_until();
+  }
+  return now;
+}
+
 void SocketCanLink::look() {
+  if (std::exchange(gone_, false)) {
+    drop_socket();
+    tell(BusState{});
+  }
+  if (events_ == nullptr) {
+    return;
+  }
   look_again_.arm(Clock::now() + kLookAgain);
   const socketcan::InterfaceQuery::Answer answer = query_->ask(name_);
   if (answer.error) {
     return;  // Nothing is known now; what was known stays until the next look.
   }
-  if (!answer.interface) {
-    socket_.reset();
-    interface_index_ = 0;
-    failed_index_ = 0;
-    tell(BusState{});
+  const BusState state =
+      answer.interface ? socketcan::state_of(*answer.interface, told_.value_or(BusState{})) : BusState{};
+  if (state.condition == BusCondition::down) {
+    drop_socket();
+    if (!answer.interface) {
+      failed_index_ = 0;
+    }
+    tell(state);
     return;
   }
-  if (interface_index_ != answer.interface->index) {
+  if (socket_ && interface_index_ != answer.interface->index) {
+    gone_ = true;  // Another interface took its name.
+    return look();
+  }
+  if (!socket_) {
     open_socket(*answer.interface);
   }
-  tell(socket_ ? state_of(*answer.interface) : BusState{});
+  if (socket_ && state.condition == BusCondition::error_active) {
+    look_again_.arm(Clock::now() + kLookAtHealthy);
+  }
+  tell(socket_ ? state : BusState{});
 }
 
 void SocketCanLink::open_socket(const Interface& interface) {
-  socket_.reset();
-  interface_index_ = 0;
   socketcan::RawSocket opened = socketcan::open_raw_socket(interface.index);
   if (opened.error) {
     if (std::exchange(failed_index_, interface.index) != interface.index) {
@@ -138,38 +187,29 @@ void SocketCanLink::open_socket(const Interface& interface) {
   failed_index_ = 0;
   dropped_ = 0;
   interface_index_ = interface.index;
+  clock_.start(Clock::now());
   socket_.emplace(executor_, std::move(opened.descriptor), [this] { receive(); });
-  if (opened.receive_buffer < socketcan::kWantedReceiveBuffer) {
-    notice(name_ + ": receive buffer of " + std::to_string(opened.receive_buffer) + " bytes instead of " +
-           std::to_string(socketcan::kWantedReceiveBuffer) +
-           ": frames may be lost in bursts; raise it with sysctl net.core.rmem_max");
-  }
-  if (!interface.echoes_departure) {
-    notice(name_ +
-           ": the driver does not tell when a frame has left (no IFF_ECHO): a command counts as sent when the " +
-           "kernel has taken it");
+  if (std::exchange(told_index_, interface.index) != interface.index) {
+    tell_of_limits(interface, opened.receive_buffer);
   }
 }
 
-BusState SocketCanLink::state_of(const Interface& interface) const noexcept {
-  const BusState before = told_.value_or(BusState{});
-  if (!interface.administratively_up) {
-    return BusState{};
+void SocketCanLink::drop_socket() {
+  count_again_.cancel();
+  socket_.reset();
+  interface_index_ = 0;
+}
+
+void SocketCanLink::tell_of_limits(const Interface& interface, int receive_buffer) {
+  if (receive_buffer < socketcan::kWantedReceiveBuffer) {
+    notice(name_ + ": receive buffer of " + std::to_string(receive_buffer) + " bytes instead of " +
+           std::to_string(socketcan::kWantedReceiveBuffer) +
+           ": frames may be lost in bursts; raise it with sysctl net.core.rmem_max");
   }
-  if (interface.condition) {
-    BusState state = before;
-    state.condition = *interface.condition;
-    if (interface.counters) {
-      state.transmit_errors = interface.counters->transmit;
-      state.receive_errors = interface.counters->receive;
-    }
-    return state.condition == BusCondition::down ? BusState{} : state;
+  const std::string driver = socketcan::driver_of(socket_->get(), name_);
+  if (const auto text = socketcan::no_departure_notice(echo_, interface.echoes, driver); !text.empty()) {
+    notice(name_ + ": " + text);
   }
-  if (!interface.carrier) {
-    // The driver tells no state: an error frame may have told of a bus-off, else the other end is missing.
-    return before.condition == BusCondition::bus_off ? before : BusState{};
-  }
-  return before.condition == BusCondition::down ? BusState{BusCondition::error_active, 0, 0} : before;
 }
 
 void SocketCanLink::tell(const BusState& state) {
@@ -185,19 +225,21 @@ void SocketCanLink::notice(const std::string& text) const {
   }
 }
 
-// One batch, then others get their turn.
+/// One batch, then others get their turn.
 void SocketCanLink::receive() {
   const int count = batch_.read(socket_->get());
   if (count > 0) {
     deliver(static_cast<std::size_t>(count));
   } else if (count < 0 && errno != EAGAIN && errno != EINTR) {
-    // ENETDOWN, ENODEV: told once; the interface went down or away.
+    // ENETDOWN, ENODEV: told once, before the frames that wait; the interface went down or away. It may be back by now
+    // with the same index, and this socket would stay deaf.
+    gone_ = true;
     look();
   }
 }
 
 void SocketCanLink::deliver(std::size_t count) {
-  const TimePoint now = Clock::now();
+  clock_.set(Clock::now(), wall_now());
   std::size_t collected = 0;
   const auto hand_over_collected = [&] {
     if (collected > 0 && events_ != nullptr) {
@@ -206,38 +248,40 @@ void SocketCanLink::deliver(std::size_t count) {
   };
   for (std::size_t i = 0; i < count; ++i) {
     const ReceiveBatch::Item item = batch_.item(i);
+    const TimePoint at = clock_.at(item.wall);
     // In the order of reception, so everything before goes first.
     if (item.echo || item.frame.error || (item.dropped && *item.dropped != dropped_)) {
       hand_over_collected();
     }
+    count_losses(item.dropped);
     if (events_ == nullptr) {
       return;
     }
-    count_losses(item);
     if (item.frame.error) {
       on_error_frame(item.frame);
     } else if (item.echo) {
-      events_->on_echo(item.frame, now);
+      events_->on_echo(item.frame, at);
     } else {
-      received_[collected++] = {item.frame, now, item.wall};
-    }
-    if (events_ == nullptr) {
-      return;
+      received_[collected++] = {item.frame, at, item.wall};
     }
   }
   hand_over_collected();
 }
 
-void SocketCanLink::count_losses(const ReceiveBatch::Item& item) {
-  if (!item.dropped || *item.dropped == dropped_) {
+void SocketCanLink::count_losses(std::optional<std::uint32_t> dropped) {
+  // The count wraps. A frame that waited while its successors were dropped has a count from before.
+  const std::uint32_t lost = dropped.value_or(dropped_) - dropped_;
+  if (events_ == nullptr || lost == 0 || lost > UINT32_MAX / 2) {
     return;
   }
-  const std::uint32_t lost = *item.dropped - std::exchange(dropped_, *item.dropped);
+  dropped_ += lost;
+  look_again_.arm_no_later_than(Clock::now());  // An error frame may have been among them.
   events_->on_frames_lost(lost);
 }
 
 void SocketCanLink::on_error_frame(const Frame& frame) {
-  if (events_ != nullptr && socketcan::tells_overrun(frame)) {
+  look_again_.arm_no_later_than(Clock::now() + kLookAgain);
+  if (socketcan::tells_overrun(frame)) {
     events_->on_frames_lost(1);
   }
   if (events_ != nullptr && told_ && told_->condition != BusCondition::down) {
@@ -248,8 +292,8 @@ void SocketCanLink::on_error_frame(const Frame& frame) {
 }  // namespace
 
 std::unique_ptr<Link> make_socketcan_link(boost::asio::any_io_executor executor, std::string interface,
-                                          LinkNotice notice) {
-  return std::make_unique<SocketCanLink>(std::move(executor), std::move(interface), std::move(notice));
+                                          LinkNotice notice, EchoProves echo) {
+  return std::make_unique<SocketCanLink>(std::move(executor), std::move(interface), echo, std::move(notice));
 }
 
 }  // namespace canopen

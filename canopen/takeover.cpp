@@ -31,8 +31,8 @@ boost::asio::awaitable<std::optional<FoundState>> listen(StateSearch search, Dur
   const TimePoint until = Clock::now() + time;
   const std::uint64_t begun = search.sdo.interruptions();
   std::optional<FoundState> sign = sign_of(search.signs);
-  while (!sign && Clock::now() < until) {
-    co_await search.changed.wait_until(until);
+  while (!sign && search.bus.may_still_hear(until)) {
+    co_await search.changed.wait_until(or_soon(until));
     sign = sign_of(search.signs);
     if (!sign && search.sdo.interruptions() != begun) {
       sign = FoundState::interrupted;

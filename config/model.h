@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopen/echo.h"
 #include "canopen/node_settings.h"
 #include "canopen/object.h"
 
@@ -28,6 +29,7 @@ struct Bus {
   std::uint8_t node_id = 127;            ///< 0: none
   Duration heartbeat = std::chrono::milliseconds(500);
   Duration sync{};  ///< Zero: none.
+  canopen::EchoProves echo = canopen::EchoProves::by_driver;
   friend bool operator==(const Bus&, const Bus&) = default;
 };
 inline constexpr std::string_view kVirtualInterface = "virtual";

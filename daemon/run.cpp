@@ -63,9 +63,9 @@ int run(const Options& options) {
     if (bus.interface == config::kVirtualInterface) {
       return in_process.emplace_back(std::make_unique<canopen::VirtualBus>(loop.get_executor()))->connect();
     }
-    return canopen::make_socketcan_link(loop.get_executor(), bus.interface, [name = bus.name](const std::string& text) {
-      spdlog::warn("bus {}: {}", name, text);
-    });
+    return canopen::make_socketcan_link(
+        loop.get_executor(), bus.interface,
+        [name = bus.name](const std::string& text) { spdlog::warn("bus {}: {}", name, text); }, bus.echo);
   });
   gateway.start();
   boost::asio::signal_set hang_ups(loop, SIGHUP);

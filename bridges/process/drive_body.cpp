@@ -29,7 +29,7 @@ Drive::Body::Body(const boost::asio::any_io_executor& executor, const config::Dr
       reader_(executor, model, node_, inputs_, alarms_),
       expiry_(executor,
               [this] {
-                inputs_.expire(canopen::Clock::now());
+                inputs_.expire(node_.heard_until());
                 arm_expiry();
               }),
       fault_(indicator(model.faults.fault)),
@@ -225,7 +225,7 @@ void Drive::Body::watch_bits(canopen::TimePoint now) {
 void Drive::Body::arm_expiry() {
   const canopen::TimePoint next = inputs_.next_expiry();
   if (next != canopen::TimePoint::max()) {
-    expiry_.arm_no_later_than(next);
+    expiry_.arm_no_later_than(canopen::or_soon(next));
   }
 }
 

@@ -192,8 +192,8 @@ boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object
 }
 
 boost::asio::awaitable<void> SdoClient::await_end(Exchange& exchange) {
-  while (!exchange.over && Clock::now() < exchange.due) {
-    co_await exchange.ended.wait_until(exchange.due);
+  while (!exchange.over && bus_.may_still_hear(exchange.due)) {
+    co_await exchange.ended.wait_until(or_soon(exchange.due));
   }
   if (exchange.over) {
     co_return;

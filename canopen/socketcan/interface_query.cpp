@@ -74,7 +74,7 @@ std::optional<Interface> parse_link(Bytes message) {
   interface.index = info->ifi_index;
   interface.administratively_up = (info->ifi_flags & IFF_UP) != 0;
   interface.carrier = (info->ifi_flags & kLowerUp) != 0;
-  interface.echoes_departure = (info->ifi_flags & kEcho) != 0;
+  interface.echoes = (info->ifi_flags & kEcho) != 0;
   const Bytes attributes = message.subspan(std::min<std::size_t>(NLMSG_ALIGN(sizeof(ifinfomsg)), message.size()));
   const Bytes can = attribute(attribute(attributes, IFLA_LINKINFO), IFLA_INFO_DATA);
   if (const auto state = read_at<std::uint32_t>(attribute(can, IFLA_CAN_STATE))) {

@@ -14,8 +14,8 @@ namespace canopen::socketcan {
 struct Interface {
   int index = 0;
   bool administratively_up = false;
-  bool carrier = false;           ///< Gone in bus-off, and while the other end of a pair is down.
-  bool echoes_departure = false;  ///< IFF_ECHO: its echoes come from the wire, not from the hand-over.
+  bool carrier = false;  ///< Gone in bus-off, and while the other end of a pair is down.
+  bool echoes = false;   ///< IFF_ECHO: the driver makes the echoes, else the kernel does at hand-over.
   /// Of the controller, where the driver tells it (not of vcan).
   std::optional<BusCondition> condition;
   /// Likewise.

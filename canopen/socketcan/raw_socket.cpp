@@ -3,8 +3,11 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/sock_diag.h>
+#include <poll.h>
 #include <sys/socket.h>
 
+#include <array>
 #include <cerrno>
 
 namespace canopen::socketcan {
@@ -61,6 +64,21 @@ RawSocket open_raw_socket(int interface_index) {
   }
   result.error = std::error_code(errno, std::generic_category());
   return result;
+}
+
+bool has_something_to_read(int socket) noexcept {
+  pollfd poll{.fd = socket, .events = POLLIN, .revents = 0};
+  return ::poll(&poll, 1, 0) > 0;
+}
+
+std::optional<std::uint32_t> dropped_so_far(int socket) noexcept {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof memory;
+  if (::getsockopt(socket, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) != 0 ||
+      size <= sizeof(memory[0]) * SK_MEMINFO_DROPS) {
+    return std::nullopt;
+  }
+  return memory[SK_MEMINFO_DROPS];
 }
 
 }  // namespace canopen::socketcan

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <system_error>
 
 #include "canopen/socketcan/descriptor.h"
@@ -19,5 +21,12 @@ struct RawSocket {
 
 /// A non-blocking CAN RAW socket on the interface with this index, ready for ReceiveBatch.
 [[nodiscard]] RawSocket open_raw_socket(int interface_index);
+
+/// Something can be read from the socket now: a frame or an error. Takes neither.
+[[nodiscard]] bool has_something_to_read(int socket) noexcept;
+
+/// The frames that were dropped on this socket so far: what SO_RXQ_OVFL tells with the next frame. Nothing where the
+/// kernel does not say.
+[[nodiscard]] std::optional<std::uint32_t> dropped_so_far(int socket) noexcept;
 
 }  // namespace canopen::socketcan

@@ -74,8 +74,11 @@ const SectionOf<Bus>& bus_section() {
                     "Load that all traffic together may reach while SDO transfers of the gateway run."),
        Field::later("other_master", "true or false", "false",
                     "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
-       Field::later("echo", "`auto`, `departure`, `adapter`", "auto",
-                    "What an own echo proves: that the frame left, or only that the adapter has it.")});
+       Field("echo", &Bus::echo,
+             choice<canopen::EchoProves>({{"auto", canopen::EchoProves::by_driver},
+                                          {"departure", canopen::EchoProves::departure},
+                                          {"adapter", canopen::EchoProves::adapter}}),
+             "What an own echo proves: that the frame left, or only that the adapter has it; `auto`: by the driver.")});
   return section;
 }
 

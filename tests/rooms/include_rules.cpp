@@ -20,8 +20,9 @@ struct Room {
 };
 
 // Plain values: what a profile says about a node, how it is named, and how long a frame is.
-constexpr std::array<std::string_view, 6> kConfig{"canopen/clock.h",         "canopen/emcy.h",   "canopen/error.h",
-                                                  "canopen/node_settings.h", "canopen/object.h", "canopen/wire_bits.h"};
+constexpr std::array<std::string_view, 7> kConfig{"canopen/clock.h",    "canopen/echo.h",          "canopen/emcy.h",
+                                                  "canopen/error.h",    "canopen/node_settings.h", "canopen/object.h",
+                                                  "canopen/wire_bits.h"};
 // The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
 constexpr std::array<std::string_view, 13> kProcess{
     "config/model.h",  "canopen/remote_node.h", "canopen/node_events.h", "canopen/node_settings.h", "canopen/object.h",

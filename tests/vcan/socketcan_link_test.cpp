@@ -2,9 +2,6 @@
 #include "canopen/socketcan_link.h"
 
 #include <gtest/gtest.h>
-#include <linux/capability.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <array>
 #include <vector>
@@ -19,26 +16,9 @@ using support::frame;
 using support::number_in;
 using support::OtherSocket;
 using support::shell;
+using support::WithoutNetAdmin;
 
 class SocketCanLinkTest : public support::LinkFixture {};
-
-/// Takes CAP_NET_ADMIN from this process for a while: the daemon runs without it.
-class WithoutNetAdmin {
- public:
-  WithoutNetAdmin() {
-    EXPECT_EQ(::syscall(SYS_capget, &header_, before_.data()), 0);
-    auto reduced = before_;
-    reduced[CAP_TO_INDEX(CAP_NET_ADMIN)].effective &= ~CAP_TO_MASK(CAP_NET_ADMIN);
-    EXPECT_EQ(::syscall(SYS_capset, &header_, reduced.data()), 0);
-  }
-  ~WithoutNetAdmin() { EXPECT_EQ(::syscall(SYS_capset, &header_, before_.data()), 0); }
-  WithoutNetAdmin(const WithoutNetAdmin&) = delete;
-  WithoutNetAdmin& operator=(const WithoutNetAdmin&) = delete;
-
- private:
-  __user_cap_header_struct header_{_LINUX_CAPABILITY_VERSION_3, 0};
-  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> before_{};
-};
 
 TEST_F(SocketCanLinkTest, OurFrameComesBackAsEchoAndIsSeenByOthers) {
   open_active();

@@ -127,6 +127,31 @@ TEST_F(BusTest, LossesAreCountedAndTold) {
   EXPECT_EQ(bus.statistics().frames_lost, 1U) << "the counter wraps";
 }
 
+// A socket tells that its interface went down before the frames that waited in it.
+TEST_F(BusTest, FramesAndEchoesFromBeforeDownAreIgnored) {
+  LinkEvents* events = nullptr;
+  Bus bus(loop.executor(), std::make_unique<HandLink>(events), kQuiet);
+  bus.start();
+  int heard = 0;
+  const Subscription subscription = bus.subscribe(0x705, [&](const Received&) { ++heard; });
+  const auto receive = [&] {
+    const Received received{frame(0x705, 5), Clock::now(), wall_now()};
+    events->on_frames({&received, 1});
+    events->on_echo(frame(0x605), Clock::now());
+  };
+  for (const BusCondition condition : {BusCondition::down, BusCondition::bus_off}) {
+    events->on_bus_state({condition, 0, 0});
+    receive();
+    EXPECT_EQ(heard, 0);
+    EXPECT_EQ(bus.statistics().frames_received, 0U);
+    EXPECT_EQ(bus.statistics().frames_sent, 0U);
+  }
+  events->on_bus_state({BusCondition::error_active, 0, 0});
+  receive();
+  EXPECT_EQ(heard, 1);
+  EXPECT_EQ(bus.statistics().frames_sent, 1U);
+}
+
 TEST_F(BusTest, LoadIsOfTheLastSecond) {
   const auto bus = start(kQuiet);
   const std::array<std::uint8_t, 8> bytes{};

@@ -38,7 +38,9 @@ class HeartbeatConsumerTest : public testing::Test {
  protected:
   support::HandDrivenLoop loop_;
   int silences_ = 0;
-  HeartbeatConsumer consumer_{loop_.executor(), 1500ms, [this] { ++silences_; }};
+  TimePoint heard_until_ = kNever;  ///< Of the link; kNever: it never lags behind.
+  HeartbeatConsumer consumer_{loop_.executor(), 1500ms, [this] { ++silences_; },
+                              [this](TimePoint until) { return Clock::now() < until || heard_until_ < until; }};
 };
 
 TEST_F(HeartbeatConsumerTest, SilenceIsToldOnceAndAtItsTime) {
@@ -75,8 +77,48 @@ TEST_F(HeartbeatConsumerTest, SuspendedItTellsNothing) {
   EXPECT_EQ(silences_, 1);
 }
 
+TEST_F(HeartbeatConsumerTest, WhileAMessageMayWaitUnreadNothingIsTold) {
+  consumer_.watch(Clock::now());
+  heard_until_ = Clock::now() + 1499ms;
+  loop_.advance(5s);
+  EXPECT_EQ(silences_, 0);
+  consumer_.alive(Clock::now() - 4s);  // Read late, received in time.
+  heard_until_ = Clock::now() - 2501ms;
+  loop_.advance(10ms);
+  EXPECT_EQ(silences_, 0) << "silent for 1499 ms as far as was read";
+  heard_until_ = Clock::now();
+  loop_.advance(2ms);
+  EXPECT_EQ(silences_, 1);
+}
+
+TEST_F(HeartbeatConsumerTest, AfterALossOfFramesSilenceCountsAnew) {
+  consumer_.watch(Clock::now());
+  loop_.advance(1400ms);
+  consumer_.frames_lost(Clock::now());
+  loop_.advance(1499ms);
+  EXPECT_EQ(silences_, 0);
+  loop_.advance(1ms);
+  EXPECT_EQ(silences_, 1);
+}
+
+TEST_F(HeartbeatConsumerTest, LossesWithoutEndHideASilentNodeForTwoTimeoutsOnly) {
+  consumer_.watch(Clock::now());
+  for (int i = 0; i < 29; ++i) {
+    consumer_.frames_lost(Clock::now());
+    loop_.advance(100ms);
+  }
+  EXPECT_EQ(silences_, 0);
+  for (int i = 0; i < 2; ++i) {
+    consumer_.frames_lost(Clock::now());
+    loop_.advance(100ms);
+  }
+  EXPECT_EQ(silences_, 1);
+}
+
 TEST_F(HeartbeatConsumerTest, WithoutTimeoutItNeverTells) {
-  HeartbeatConsumer never(loop_.executor(), Duration::zero(), [this] { ++silences_; });
+  HeartbeatConsumer never(
+      loop_.executor(), Duration::zero(), [this] { ++silences_; },
+      [](TimePoint until) { return Clock::now() < until; });
   never.watch(Clock::now());
   loop_.advance(100s);
   EXPECT_EQ(silences_, 0);

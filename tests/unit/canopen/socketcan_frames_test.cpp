@@ -4,7 +4,9 @@
 
 #include <array>
 
+#include "canopen/socketcan/driver.h"
 #include "canopen/socketcan/error_frame.h"
+#include "canopen/socketcan/interface_state.h"
 #include "canopen/socketcan/receive_batch.h"
 
 namespace canopen::socketcan {
@@ -79,6 +81,36 @@ TEST(ErrorFrames, AnOverrunIsToldApart) {
   EXPECT_TRUE(tells_overrun(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, 0, 0)));
   EXPECT_FALSE(tells_overrun(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_OVERFLOW, 0, 0)));
   EXPECT_FALSE(tells_overrun(error_frame(CAN_ERR_PROT, CAN_ERR_CRTL_RX_OVERFLOW, 0, 0)));
+}
+
+TEST(Echoes, ProveADepartureByWhatIsKnownOfTheDriver) {
+  constexpr auto kByDriver = EchoProves::by_driver;
+  EXPECT_EQ(no_departure_notice(kByDriver, true, "gs_usb"), "");
+  EXPECT_EQ(no_departure_notice(kByDriver, true, ""), "");
+  for (const auto* const driver : {"peak_usb", "mcba_usb", "usb_8dev", "ems_usb"}) {
+    EXPECT_NE(no_departure_notice(kByDriver, true, driver).find(driver), std::string::npos) << driver;
+  }
+  EXPECT_NE(no_departure_notice(kByDriver, false, "vcan").find("IFF_ECHO"), std::string::npos);
+}
+
+TEST(Echoes, ProveWhatTheSiteSays) {
+  EXPECT_EQ(no_departure_notice(EchoProves::departure, false, "peak_usb"), "");
+  EXPECT_NE(no_departure_notice(EchoProves::adapter, true, "gs_usb").find("configured"), std::string::npos);
+}
+
+TEST(InterfaceStates, WhatTheDriverDoesNotSayStays) {
+  const BusState off{BusCondition::bus_off, 0, 0};
+  Interface interface;
+  interface.administratively_up = true;
+  EXPECT_EQ(state_of(interface, off), off) << "an error frame told it";
+  EXPECT_EQ(state_of(interface, kActive), BusState{}) << "the other end is missing";
+  interface.carrier = true;
+  EXPECT_EQ(state_of(interface, BusState{}), kActive);
+  interface.condition = BusCondition::passive;
+  interface.counters = Interface::Counters{128, 3};
+  EXPECT_EQ(state_of(interface, kActive), (BusState{BusCondition::passive, 128, 3}));
+  interface.administratively_up = false;
+  EXPECT_EQ(state_of(interface, kActive), BusState{});
 }
 
 }  // namespace

@@ -41,6 +41,17 @@ TEST(Defaults, AreThoseOfTheManual) {
   EXPECT_EQ(model.mqtt->max_interval, seconds(60));
 }
 
+TEST(Buses, SayWhatAnEchoProves) {
+  using canopen::EchoProves;
+  const auto echo_of = [](const std::string& word) {
+    return model_of(kBus + "echo = \"" + word + "\"\n" + kDrive).buses.at(0).echo;
+  };
+  EXPECT_EQ(echo_of("auto"), EchoProves::by_driver);
+  EXPECT_EQ(echo_of("departure"), EchoProves::departure);
+  EXPECT_EQ(echo_of("adapter"), EchoProves::adapter);
+  EXPECT_EQ(model_of(kBus + kDrive).buses.at(0).echo, EchoProves::by_driver);
+}
+
 TEST(Defaults, LeaveModbusAndMqttOff) {
   const Model model = model_of(kBus + kDrive);
   EXPECT_FALSE(model.modbus.has_value());

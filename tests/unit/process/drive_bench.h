@@ -12,6 +12,7 @@
 #include "canopen/bus.h"
 #include "canopen/virtual_link.h"
 #include "tests/support/hand_driven_loop.h"
+#include "tests/support/lagging_link.h"
 #include "tests/support/scripted_slave.h"
 #include "tests/support/spawn.h"
 #include "tests/unit/process/test_drive.h"
@@ -101,7 +102,10 @@ class DriveBench : public testing::Test {
 
   support::HandDrivenLoop loop_;
   canopen::VirtualBus wire_{loop_.executor()};
-  canopen::Bus bus_{loop_.executor(), wire_.connect(), quiet_bus()};
+  std::unique_ptr<support::LaggingLink> made_ =
+      std::make_unique<support::LaggingLink>(loop_.executor(), wire_.connect());
+  support::LaggingLink& link_ = *made_;
+  canopen::Bus bus_{loop_.executor(), std::move(made_), quiet_bus()};
   support::ScriptedSlave slave_{loop_.executor(), wire_, 5};
   config::Drive model_ = test::drive();
   RecordedObserver observer_;
