@@ -10,6 +10,7 @@ Bus::Bus(boost::asio::any_io_executor executor, std::unique_ptr<Link> link, BusS
     : executor_(std::move(executor)),
       link_(std::move(link)),
       settings_(settings),
+      sdo_budget_(executor_, settings.bitrate, settings.sdo_load, load_),
       queue_(*link_, TransmitTimes::at(settings.bitrate)),
       wake_up_(executor_, [this] { service(); }),
       // Of heartbeat and SYNC only the newest waits: the one before goes with its ticket.

@@ -15,6 +15,7 @@
 #include "canopen/dispatch.h"
 #include "canopen/handler_list.h"
 #include "canopen/link.h"
+#include "canopen/sdo/budget.h"
 #include "canopen/subscription.h"
 #include "canopen/ticket.h"
 #include "canopen/transmit_queue.h"
@@ -27,6 +28,7 @@ struct BusSettings {
   std::uint8_t node_id = 127;                           ///< Our own; 0: none, no heartbeat.
   Duration heartbeat = std::chrono::milliseconds(500);  ///< Zero: none.
   Duration sync{};                                      ///< Zero: no SYNC.
+  double sdo_load = SdoBudget::kUsualLoad;              ///< See SdoBudget; 0..1. Without a bit rate not used.
   friend bool operator==(const BusSettings&, const BusSettings&) = default;
 };
 
@@ -61,6 +63,7 @@ class Bus final : private LinkEvents {
   /// first to find out. So without a heartbeat of ours a command on a silent bus is never sent.
   [[nodiscard]] Ticket send(TransmitClass transmit_class, const Frame& frame, TimePoint until, Ticket::Told told = {});
 
+  [[nodiscard]] SdoBudget& sdo_budget() noexcept { return sdo_budget_; }
   [[nodiscard]] const BusState& state() const noexcept { return state_; }
   [[nodiscard]] const BusStatistics& statistics() noexcept;
   [[nodiscard]] const BusSettings& settings() const noexcept { return settings_; }
@@ -87,6 +90,7 @@ class Bus final : private LinkEvents {
   bool told_ = false;  ///< The link said something: an interface that is missing from the start is news, too.
   BusStatistics statistics_;
   BusLoad load_;
+  SdoBudget sdo_budget_;
   Dispatch dispatch_;
   HandlerList<const BusState&> state_handlers_;
   HandlerList<std::uint32_t> loss_handlers_;

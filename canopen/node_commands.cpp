@@ -8,7 +8,7 @@
 
 namespace canopen {
 
-boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress object, DataType type) {
+boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress object, DataType type, TimePoint due) {
   if (stopping_ || !bus_.state().up()) {
     co_return offline_error(object, "the bus is down");
   }
@@ -18,7 +18,7 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress o
   if (phase_ != Phase::online && !sdo_.answered()) {
     co_return offline_error(object, "the drive does not answer");
   }
-  co_return co_await sdo_.read(object, type);
+  co_return co_await sdo_.read(object, type, due);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::write(ObjectAddress object, DataType type, Raw raw,

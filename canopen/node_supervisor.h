@@ -46,7 +46,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
   [[nodiscard]] RpdoSender& rpdos() noexcept { return rpdos_; }
 
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due);
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
                                              StillStands still_stands = {});
   boost::asio::awaitable<Result<void>> command(NmtCommand command, TimePoint deadline);

@@ -33,19 +33,20 @@ SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8
       bus_(bus),
       node_(node),
       settings_(settings),
-      line_(executor_),
+      line_(executor_, bus.sdo_budget()),
       subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
 
 // Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
 
 boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::upload(ObjectAddress object, std::size_t expected) {
   SdoTransfer transfer = SdoTransfer::upload(settings_, object, expected);
-  co_return co_await run(std::move(transfer), 1 + settings_.retries);
+  co_return co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
 }
 
-boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries) {
+boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries,
+                                                    TimePoint due) {
   SdoTransfer transfer = SdoTransfer::upload(settings_, object, byte_length(type));
-  const Result<Bytes> bytes = co_await run(std::move(transfer), tries);
+  const Result<Bytes> bytes = co_await run(std::move(transfer), tries, due);
   if (bytes.has_error()) {
     co_return bytes.error();
   }
@@ -59,7 +60,7 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
 
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
   SdoTransfer transfer = download(object, type, raw);
-  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries);
+  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
   co_return done.has_error() ? Result<void>(done.error()) : Result<void>();
 }
 
@@ -69,8 +70,8 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
   co_return co_await run_command(std::move(transfer), deadline, std::move(still_stands));
 }
 
-boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries) {
-  SdoLine::Place place(line_, SdoLine::Kind::transfer);
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries, TimePoint due) {
+  SdoLine::Place place(line_, SdoLine::Kind::transfer, due);
   SdoLine::Verdict verdict = co_await place.wait_until(TimePoint::max());
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, transfer.object());
@@ -85,6 +86,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
     if (tries <= 1 || result.has_value() || result.error().kind != ErrorKind::timeout) {
       co_return result;
     }
+    bus_.sdo_budget().charge();
     // All tries together may take longer than a command has, and that command may be a stop.
     if (place.give_way()) {
       static_cast<void>(co_await place.wait_until(TimePoint::max()));
@@ -106,7 +108,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer
 boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline,
                                                             StillStands still_stands) {
   const ObjectAddress object = transfer.object();
-  SdoLine::Place place(line_, SdoLine::Kind::command);
+  SdoLine::Place place(line_, SdoLine::Kind::command, Clock::now());
   const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, object);
@@ -162,6 +164,7 @@ boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object
   if (late_.expected(other)) {
     co_return false;
   }
+  bus_.sdo_budget().charge();
   SdoTransfer transfer = SdoTransfer::upload(settings_, other, 0);
   const Result<Bytes> answer = co_await try_once(std::move(transfer), due);
   if (answer.has_value() || answer.error().kind == ErrorKind::refused || answer.error().kind == ErrorKind::protocol) {

@@ -36,6 +36,8 @@ class Bus;
 /// answer proves that the older requests are over (a server answers in order). Where that proof does not come, a
 /// command is sent all the same, for it may be a stop, and its outcome is unknown whatever the drive answers.
 ///
+/// Everything but commands waits for the budget of the bus (SdoBudget).
+///
 /// The time of an answer counts from the departure of the request, so that a busy bus is no silent node. A request
 /// belongs to its transfer: where that ends first it is withdrawn, and no try leaves after the next one.
 class SdoClient {
@@ -57,11 +59,14 @@ class SdoClient {
   /// Upload, tried again after a timeout. `expected`: bytes of the object's type, 0 where not known.
   boost::asio::awaitable<Result<std::vector<std::uint8_t>>> upload(ObjectAddress object, std::size_t expected = 0);
   /// Upload of a basic type. More bytes than it has: the lower ones count; fewer: `protocol`.
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type) {
-    return read(object, type, 1 + settings_.retries);
+  /// `due`: when it was to be done; of all reads that wait for the budget of the bus the earliest is next.
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now()) {
+    return read(object, type, 1 + settings_.retries, due);
   }
   /// The same, tried once: for finding out whether anybody is there.
-  boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) { return read(object, type, 1); }
+  boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) {
+    return read(object, type, 1, Clock::now());
+  }
   /// Download of a setting, tried again after a timeout. Never for what could move a motor.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
   /// Download of a command: sent once. Not begun by `deadline`: `timeout`, and it can never take effect. Begun and not
@@ -89,8 +94,8 @@ class SdoClient {
   class OnChannel;
   using Bytes = std::vector<std::uint8_t>;
 
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries);
-  boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries);
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
+  boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries, TimePoint due);
   boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline, StillStands still_stands);
   boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint deadline);
   boost::asio::awaitable<Result<void>> exchange_command(SdoTransfer transfer, TimePoint deadline, bool conclusive,

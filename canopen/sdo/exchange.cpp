@@ -66,6 +66,9 @@ void SdoExchange::withdraw() {
 }
 
 void SdoExchange::send() {
+  if (is_command() || transfer_.in_segments()) {
+    channel_.bus.sdo_budget().charge();  // The first request of any other transfer was granted.
+  }
   due_ = deadline_;
   departure_.reset();
   const TimePoint until = is_command() ? deadline_ : std::min(deadline_, Clock::now() + TransmitQueue::kLifeTime);
