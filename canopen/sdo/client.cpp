@@ -9,8 +9,7 @@
 namespace canopen {
 namespace {
 
-constexpr std::uint32_t kRequestBase = 0x600;  // CiA 301 table 75, default SDO.
-constexpr std::uint32_t kAnswerBase = 0x580;
+constexpr std::uint32_t kAnswerBase = 0x580;  // CiA 301 table 75, default SDO.
 constexpr std::uint32_t kAbortTimedOut = 0x05040000;
 constexpr ObjectAddress kDeviceType{0x1000, 0};  // Every node has it; where not, the abort is an answer, too.
 
@@ -245,8 +244,7 @@ SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) co
 }
 
 void SdoClient::send_abort(const SdoFrame& abort) {
-  abort_ =
-      bus_.send(TransmitClass::sdo, make_frame(kRequestBase + node_, abort), Clock::now() + TransmitQueue::kLifeTime);
+  abort_ = bus_.send(TransmitClass::sdo, sdo_request_frame(node_, abort), Clock::now() + TransmitQueue::kLifeTime);
 }
 
 SdoExchange::Channel SdoClient::channel() const noexcept {

@@ -13,6 +13,10 @@ constexpr std::uint32_t kRequestBase = 0x600;  // CiA 301 table 75, default SDO.
 
 }  // namespace
 
+Frame sdo_request_frame(std::uint8_t node, const SdoFrame& request) noexcept {
+  return make_frame(kRequestBase + node, request);
+}
+
 SdoExchange::SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitClass transmit_class, TimePoint deadline,
                          bool late_possible)
     : channel_(channel),
@@ -72,7 +76,7 @@ void SdoExchange::send() {
   due_ = deadline_;
   departure_.reset();
   const TimePoint until = is_command() ? deadline_ : std::min(deadline_, Clock::now() + TransmitQueue::kLifeTime);
-  const Frame frame = make_frame(kRequestBase + channel_.node, transfer_.request());
+  const Frame frame = sdo_request_frame(channel_.node, transfer_.request());
   request_ = channel_.bus.send(transmit_class_, frame, until, [this](Departure how) { on_departure(how); });
 }
 

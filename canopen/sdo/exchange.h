@@ -16,6 +16,9 @@
 
 namespace canopen {
 
+/// A request to a node's SDO server (default channel, COB-ID 0x600 + node id).
+[[nodiscard]] Frame sdo_request_frame(std::uint8_t node, const SdoFrame& request) noexcept;
+
 /// One try of a transfer on the bus: it owns the request that is on its way, and the time of the answer counts from the
 /// departure of the request. Lives in the coroutine that awaits it.
 class SdoExchange {

@@ -18,7 +18,7 @@ constexpr std::uint8_t kOtherType = 254;
 constexpr std::uint32_t kNoObject = 0x06020000;
 constexpr ObjectAddress kHeartbeatObject{0x1017, 0};
 
-BusSettings bus_settings(std::uint32_t bitrate) {
+BusSettings bus_settings(std::optional<std::uint32_t> bitrate) {
   BusSettings settings;
   settings.bitrate = bitrate;
   settings.node_id = ScaleBench::kOwnNode;
@@ -205,9 +205,9 @@ void HeartbeatEar::on_frames(std::span<const Received> frames) {
   }
 }
 
-ScaleBench::ScaleBench(std::uint32_t bitrate, std::uint16_t tpdo_event_timer)
+ScaleBench::ScaleBench(std::uint32_t bitrate, std::uint16_t tpdo_event_timer, bool bitrate_known)
     : wire_(loop_.executor(), bitrate),
-      bus_(loop_.executor(), wire_.connect(), bus_settings(bitrate)),
+      bus_(loop_.executor(), wire_.connect(), bus_settings(bitrate_known ? std::optional(bitrate) : std::nullopt)),
       ear_(wire_),
       tpdo_event_timer_(tpdo_event_timer) {
   bus_.start();

@@ -120,8 +120,8 @@ class ScaleBench {
  public:
   static constexpr std::uint8_t kOwnNode = 127;
 
-  /// `tpdo_event_timer` in ms, 0: no TPDOs.
-  ScaleBench(std::uint32_t bitrate, std::uint16_t tpdo_event_timer = 0);
+  /// `tpdo_event_timer` in ms, 0: no TPDOs. `bitrate_known`: the master was told the bit rate.
+  explicit ScaleBench(std::uint32_t bitrate, std::uint16_t tpdo_event_timer = 0, bool bitrate_known = true);
   ~ScaleBench();
   ScaleBench(const ScaleBench&) = delete;
   ScaleBench& operator=(const ScaleBench&) = delete;

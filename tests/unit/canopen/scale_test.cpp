@@ -23,6 +23,7 @@ struct PowerUp {
   std::uint32_t bitrate;
   std::uint16_t tpdo_event_timer;
   Duration online_within;
+  bool bitrate_known = true;
 };
 
 double seconds(Duration duration) {
@@ -37,7 +38,7 @@ class ScaleTest : public ::testing::TestWithParam<PowerUp> {};
 
 TEST_P(ScaleTest, NobodyIsStarvedWhileAllBoot) {
   const PowerUp& power_up = GetParam();
-  ScaleBench bench(power_up.bitrate, power_up.tpdo_event_timer);
+  ScaleBench bench(power_up.bitrate, power_up.tpdo_event_timer, power_up.bitrate_known);
   for (unsigned node = 1; node <= power_up.drives; ++node) {
     bench.add(static_cast<std::uint8_t>(node));
   }
@@ -67,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(PowerUp, ScaleTest,
                                            PowerUp{32, 125000, 0, 6s}, PowerUp{64, 250000, 0, 7s},
                                            PowerUp{64, 500000, 0, 4s}, PowerUp{126, 500000, 0, 6s},
                                            PowerUp{126, 1000000, 0, 3500ms}, PowerUp{126, 125000, 0, 30s},
-                                           PowerUp{32, 50000, 0, 20s}, PowerUp{16, 125000, 100, 8s}));
+                                           PowerUp{32, 50000, 0, 20s}, PowerUp{16, 125000, 100, 8s},
+                                           PowerUp{32, 125000, 0, 6s, false}));
 
 TEST(RunningDrives, AreNotLostAndStopWhileOthersPowerUp) {
   ScaleBench bench(125000);

@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t kBitrate = 120'000;  // A transfer of 240 bits takes 2 ms of it.
+constexpr std::uint32_t kBudgetBitrate = 120'000;  // A transfer of 240 bits takes 2 ms of it.
 
 class SdoBudgetTest : public ::testing::Test {
  protected:
@@ -94,14 +94,14 @@ TEST_F(SdoBudgetTest, SilentDrivesKeepNobodyFromHisTurn) {
 }
 
 TEST_F(SdoBudgetTest, TheBitRateLimitsTheLoad) {
-  use(kBitrate);
+  use(kBudgetBitrate);
   EXPECT_NEAR(static_cast<double>(granted_in_a_second()), 350, 5);
-  use(kBitrate, 0.5);
+  use(kBudgetBitrate, 0.5);
   EXPECT_NEAR(static_cast<double>(granted_in_a_second()), 250, 5);
 }
 
 TEST_F(SdoBudgetTest, OtherTrafficCountsAndATenthIsLeft) {
-  use(kBitrate);
+  use(kBudgetBitrate);
   static_cast<void>(granted_in_a_second(400));  // The load of the last second counts.
   EXPECT_NEAR(static_cast<double>(granted_in_a_second(400)), 150, 5);
   static_cast<void>(granted_in_a_second(1000));
@@ -118,7 +118,7 @@ TEST_F(SdoBudgetTest, SdoItselfIsNoOtherTraffic) {
 }
 
 TEST_F(SdoBudgetTest, WhatNobodyAskedForIsTakenFromTheOthers) {
-  use(kBitrate);
+  use(kBudgetBitrate);
   for (int i = 0; i < 10; ++i) {
     budget->charge();
   }

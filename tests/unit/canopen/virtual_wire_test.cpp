@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using support::frame;
 
-constexpr std::uint32_t kBitrate = 125000;
+constexpr std::uint32_t kWireBitrate = 125000;
 
 class Station final : public LinkEvents {
  public:
@@ -43,7 +43,7 @@ class Station final : public LinkEvents {
 class VirtualWireTest : public ::testing::Test {
  protected:
   static Duration time_of(const Frame& frame) {
-    return std::chrono::nanoseconds(std::uint64_t{bits_on_wire(frame)} * std::nano::den / kBitrate);
+    return std::chrono::nanoseconds(std::uint64_t{bits_on_wire(frame)} * std::nano::den / kWireBitrate);
   }
   static Frame full(std::uint32_t id) { return make_frame(id, std::array<std::uint8_t, 8>{1, 2, 3, 4, 5, 6, 7, 8}); }
   /// Lets the frame on the bus pass.
@@ -54,7 +54,7 @@ class VirtualWireTest : public ::testing::Test {
   }
 
   support::HandDrivenLoop loop;
-  VirtualBus bus{loop.executor(), kBitrate};
+  VirtualBus bus{loop.executor(), kWireBitrate};
   Station a{bus};
   Station b{bus};
   Station c{bus};
