@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <optional>
+#include <ostream>
 #include <string>
 
 #include "tests/support/spawn.h"
@@ -30,8 +31,9 @@ double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-void PrintTo(const PowerUp& power_up, std::ostream* out) {
-  *out << power_up.drives << " drives at " << power_up.bitrate << " bit/s";
+std::ostream& operator<<(std::ostream& out, const PowerUp& power_up) {
+  return out << power_up.drives << "DrivesAt" << power_up.bitrate << (power_up.tpdo_event_timer == 0 ? "" : "WithTpdos")
+             << (power_up.bitrate_known ? "" : "NotTold");
 }
 
 class ScaleTest : public ::testing::TestWithParam<PowerUp> {};
@@ -69,7 +71,8 @@ INSTANTIATE_TEST_SUITE_P(PowerUp, ScaleTest,
                                            PowerUp{64, 500000, 0, 4s}, PowerUp{126, 500000, 0, 6s},
                                            PowerUp{126, 1000000, 0, 3500ms}, PowerUp{126, 125000, 0, 30s},
                                            PowerUp{32, 50000, 0, 20s}, PowerUp{16, 125000, 100, 8s},
-                                           PowerUp{32, 125000, 0, 6s, false}));
+                                           PowerUp{32, 125000, 0, 6s, false}),
+                         ::testing::PrintToStringParamName());
 
 TEST(RunningDrives, AreNotLostAndStopWhileOthersPowerUp) {
   ScaleBench bench(125000);
