@@ -236,13 +236,17 @@ ScaleBench::Member& ScaleBench::add(std::uint8_t node) {
 void ScaleBench::step(TimePoint end) {
   const TimePoint now = Clock::now();
   TimePoint next = std::min(end, now + kLongestStep);
+  bool acted = false;
   for (const std::unique_ptr<Member>& member : members_) {
     if (member->drive->next_action() <= now) {
       member->drive->act();
+      acted = true;
     }
     next = std::min(next, member->drive->next_action());
   }
-  loop_.settle();
+  if (acted) {
+    loop_.settle();  // A frame may have begun.
+  }
   next = std::min(next, wire_.next_departure().value_or(kNever));
   loop_.advance(next - now, next - now);
 }
