@@ -10,6 +10,7 @@
 #include "canopen/frame.h"
 #include "canopen/link.h"
 #include "canopen/ticket.h"
+#include "canopen/transmit_times.h"
 
 namespace canopen {
 
@@ -29,15 +30,6 @@ enum class Departure : std::uint8_t {
   withdrawn,  ///< Its time passed, or it was withdrawn, before the kernel had it: it can never leave.
   unknown,    ///< The kernel had it, and no echo came in time.
   offline     ///< The bus is down, or takes no command until an echo returns.
-};
-
-/// How long a frame may take to leave. Longer at low bit rates, where the frames of others before it take that long.
-struct TransmitTimes {
-  Duration echo = std::chrono::milliseconds(100);   ///< Without echo by then its outcome is unknown.
-  Duration behind = std::chrono::milliseconds(20);  ///< Nothing that moves a motor goes behind one without echo since.
-
-  /// `bitrate` in bit/s; nothing where it is not known.
-  [[nodiscard]] static TransmitTimes at(std::optional<std::uint32_t> bitrate) noexcept;
 };
 
 /// Everything that waits to leave on one bus, by class, then COB-ID, then age. The kernel gets very few frames at a

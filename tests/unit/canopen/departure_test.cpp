@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <utility>
 #include <vector>
 
 #include "canopen/transmit_queue.h"
@@ -275,75 +274,6 @@ TEST_F(DepartureTest, OurHeartbeatIsAskedForWhatBecameOfACommand) {
   advance(500ms);
   see_life();
   EXPECT_FALSE(queue.wants_heartbeat(now)) << "once is enough: the next one comes by itself";
-}
-
-TEST_F(DepartureTest, ATicketThatGoesWithdrawsItsFrameSilently) {
-  Sent command;
-  push_command(command, frame(0x205));
-  command.ticket.reset();
-  see_life();
-  EXPECT_TRUE(link.sent.empty());
-
-  for (const TransmitClass transmit_class : {TransmitClass::nmt, TransmitClass::control, TransmitClass::command,
-                                             TransmitClass::repetition, TransmitClass::sdo}) {
-    link.result = SendResult::busy;
-    Sent sent;
-    push(sent, transmit_class, frame(0x206));
-    {
-      const Ticket owner = std::move(sent.ticket);
-    }
-    link.result = SendResult::handed_over;
-    advance(1s);
-    EXPECT_TRUE(link.sent.empty());
-    EXPECT_EQ(sent.departure, std::nullopt);
-    see_life();
-  }
-}
-
-TEST_F(DepartureTest, ATicketThatGoesWhileTheKernelHasItsFrameTellsNothing) {
-  see_life();
-  Sent command;
-  push_command(command, frame(0x205));
-  command.ticket.reset();
-  echo(frame(0x205));
-  EXPECT_EQ(command.departure, std::nullopt);
-  push_command(command, frame(0x206));
-  EXPECT_EQ(sent_ids().back(), 0x206U);
-}
-
-TEST_F(DepartureTest, ANewTicketTakesThePlaceOfTheOneBefore) {
-  link.result = SendResult::busy;
-  Ticket heartbeat = queue.push(TransmitClass::control, frame(0x77F, 1), now + 1s, {}, now);
-  heartbeat = queue.push(TransmitClass::control, frame(0x77F, 2), now + 1s, {}, now);
-  link.result = SendResult::handed_over;
-  queue.service(now);
-  advance(1s);
-  EXPECT_EQ(link.sent, std::vector<Frame>{frame(0x77F, 2)});
-}
-
-TEST_F(DepartureTest, WithdrawingTellsSo) {
-  link.result = SendResult::busy;
-  see_life();
-  Sent command;
-  Sent other;
-  push_command(command, frame(0x205, 1));
-  push_command(other, frame(0x205, 2));
-  command.ticket.withdraw();
-  EXPECT_EQ(command.departure, Departure::withdrawn);
-  EXPECT_EQ(other.departure, std::nullopt);
-  link.result = SendResult::handed_over;
-  advance(4ms);
-  EXPECT_EQ(link.sent, std::vector<Frame>{frame(0x205, 2)});
-}
-
-TEST_F(DepartureTest, WhatTheKernelHasCannotBeWithdrawn) {
-  see_life();
-  Sent command;
-  push_command(command, frame(0x205));
-  command.ticket.withdraw();
-  EXPECT_EQ(command.departure, std::nullopt);
-  echo(frame(0x205));
-  EXPECT_EQ(command.departure, Departure::left);
 }
 
 }  // namespace
