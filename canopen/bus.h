@@ -2,36 +2,46 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 
+#include "canopen/bus_load.h"
 #include "canopen/bus_state.h"
-#include "canopen/error.h"
+#include "canopen/cyclic_producer.h"
+#include "canopen/dispatch.h"
+#include "canopen/handler_list.h"
 #include "canopen/link.h"
+#include "canopen/sdo/budget.h"
 #include "canopen/subscription.h"
+#include "canopen/ticket.h"
+#include "canopen/transmit_queue.h"
+#include "canopen/wake_up.h"
 
 namespace canopen {
 
 struct BusSettings {
-  std::optional<std::uint32_t> bitrate{};               ///< bit/s, for the load; nothing: no load shown.
+  std::optional<std::uint32_t> bitrate{};               ///< bit/s; nothing: no load shown, and usual times.
   std::uint8_t node_id = 127;                           ///< Our own; 0: none, no heartbeat.
   Duration heartbeat = std::chrono::milliseconds(500);  ///< Zero: none.
   Duration sync{};                                      ///< Zero: no SYNC.
+  double sdo_load = SdoBudget::kUsualLoad;              ///< See SdoBudget; 0..1. Without a bit rate not used.
   friend bool operator==(const BusSettings&, const BusSettings&) = default;
 };
 
 /// One CAN bus: owns the link and the transmit queue, dispatches received frames by COB-ID (2 048 slots), produces our
 /// heartbeat and SYNC. Every frame of the gateway passes its transmit queue.
-class Bus {
+class Bus final : private LinkEvents {
  public:
-  using FrameHandler = std::function<void(const Received&)>;
+  using FrameHandler = Dispatch::Handler;
   using StateHandler = std::function<void(const BusState&)>;
   using LossHandler = std::function<void(std::uint32_t)>;
 
   Bus(boost::asio::any_io_executor executor, std::unique_ptr<Link> link, BusSettings settings);
-  ~Bus();
+  ~Bus() = default;
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
@@ -45,36 +55,58 @@ class Bus {
   [[nodiscard]] Subscription subscribe_state(StateHandler handler);
   [[nodiscard]] Subscription subscribe_losses(LossHandler handler);
 
-  /// Queues a frame that is no command (SDO reads and boot writes, guarding requests). Dropped when it could not leave
-  /// within a second, or while the bus is down: then false.
-  bool send(const Frame& frame);
-  /// The same for a repeated RPDO, of which only the newest matters: it replaces one of its COB-ID that still waits.
-  /// Refused (false) while a command of its COB-ID waits or is leaving, which is always newer. It goes only where a
-  /// frame was received or echoed within the last second.
-  bool repeat(const Frame& frame);
-  /// Queues a command and waits for its departure (echo). Withdrawn when not handed over by `deadline`: `timeout`.
-  /// Handed over without an echo by `deadline` or in 100 ms: `timeout` with outcome_unknown, and the bus takes no
-  /// command until an echo returns. `offline` while the bus is down or takes none. It is handed over only where a frame
-  /// was received or echoed within the last second; on a silent bus our heartbeat goes first to find out. So without a
-  /// heartbeat of ours a command on a silent bus ends as `timeout`, not sent.
-  boost::asio::awaitable<Result<void>> send_command(Frame frame, TimePoint deadline);
-  /// Withdraws what has not been handed over yet of a COB-ID: commands (their answer is `timeout`) and a frame of
-  /// repeat().
-  void withdraw(std::uint32_t cob_id);
+  /// Queues a frame that is to be with the kernel before `until`. `told` is called once, possibly from inside, and must
+  /// not call the bus. The frame belongs to the ticket, which must go before the bus.
+  ///
+  /// NMT and commands are refused while the bus is down, or takes none until an echo returns. They and repetitions are
+  /// handed over only where a frame was received or echoed within the last second; on a silent bus our heartbeat goes
+  /// first to find out. So without a heartbeat of ours a command on a silent bus is never sent.
+  [[nodiscard]] Ticket send(TransmitClass transmit_class, const Frame& frame, TimePoint until, Ticket::Told told = {});
 
   /// Every frame that was received before this moment has been delivered (Link::heard_until).
-  [[nodiscard]] TimePoint heard_until() const;
+  [[nodiscard]] TimePoint heard_until() const { return link_->heard_until(); }
   /// A frame that was received before `until` may still be delivered: silence until then is not certain yet. While the
   /// loop lags behind this outlasts `until`; wait with or_soon().
   [[nodiscard]] bool may_still_hear(TimePoint until) const { return Clock::now() < until || heard_until() < until; }
 
-  [[nodiscard]] const BusState& state() const noexcept;
-  [[nodiscard]] const BusStatistics& statistics() const noexcept;
-  [[nodiscard]] const BusSettings& settings() const noexcept;
+  [[nodiscard]] SdoBudget& sdo_budget() noexcept { return sdo_budget_; }
+  [[nodiscard]] const BusState& state() const noexcept { return state_; }
+  [[nodiscard]] const BusStatistics& statistics() noexcept;
+  [[nodiscard]] const BusSettings& settings() const noexcept { return settings_; }
 
  private:
-  class Core;
-  std::unique_ptr<Core> core_;
+  friend class Transmission;
+
+  void on_frames(std::span<const Received> frames) override;
+  void on_echo(const Frame& frame, TimePoint at) override;
+  void on_bus_state(const BusState& state) override;
+  void on_frames_lost(std::uint32_t count) override;
+
+  void come_up();
+  void go_down();
+  /// Lets the queue do what is due, and sees to it that this is called again in time.
+  void service();
+  [[nodiscard]] bool has_heartbeat() const noexcept;
+  [[nodiscard]] bool has_sync() const noexcept { return settings_.sync > Duration::zero(); }
+
+  boost::asio::any_io_executor executor_;
+  std::unique_ptr<Link> link_;
+  BusSettings settings_;
+  BusState state_;
+  bool told_ = false;  ///< The link said something: an interface that is missing from the start is news, too.
+  BusStatistics statistics_;
+  BusLoad load_;
+  SdoBudget sdo_budget_;
+  Dispatch dispatch_;
+  HandlerList<const BusState&> state_handlers_;
+  HandlerList<std::uint32_t> loss_handlers_;
+  TransmitQueue queue_;
+  WakeUp wake_up_;
+  Ticket heartbeat_ticket_;
+  Ticket sync_ticket_;
+  CyclicProducer heartbeat_;
+  CyclicProducer sync_;
+  std::size_t transmissions_ = 0;  ///< Coroutines that wait for a departure.
 };
 
 }  // namespace canopen

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "canopen/bus.h"
-#include "canopen/nmt_frame.h"
 #include "canopen/node_supervisor.h"
 
 namespace canopen {
@@ -85,9 +84,8 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::bring_up(FoundState found) 
   watch_.suspend();  // Its heartbeat may only be switched on in the course of the boot.
   if (!answers_sdo || found == FoundState::operational) {
     // A stopped node answers no SDO; an operational one refuses most settings, and is here only by reconfigure_running.
-    const Frame frame = nmt_frame(NmtCommand::pre_operational, settings_.node);
     nmt_grace_end_ = Clock::now() + kNmtTime + settings_.error_control.heartbeat_timeout;
-    const Result<void> left = co_await bus_.send_command(frame, Clock::now() + kNmtTime);
+    const Result<void> left = co_await transmit_nmt(NmtCommand::pre_operational, Clock::now() + kNmtTime, true);
     gave_up_ = left.has_error();
     if (phase_ != Phase::booting || gave_up_) {
       co_return;
@@ -133,8 +131,7 @@ boost::asio::awaitable<std::optional<BootFailure>> RemoteNode::Supervisor::start
   phase_ = Phase::starting;
   nmt_grace_end_ = Clock::now() + kNmtTime + settings_.error_control.heartbeat_timeout;
   const BootFailure interrupted{'J', {}, true};
-  const Frame frame = nmt_frame(NmtCommand::start, settings_.node);
-  const Result<void> left = co_await bus_.send_command(frame, Clock::now() + kNmtTime);
+  const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime, true);
   if (left.has_value()) {
     ++starts_;
     nmt_grace_end_ = Clock::now() + settings_.error_control.heartbeat_timeout;

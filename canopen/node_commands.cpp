@@ -8,7 +8,7 @@
 
 namespace canopen {
 
-boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress object, DataType type) {
+boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress object, DataType type, TimePoint due) {
   if (stopping_ || !bus_.state().up()) {
     co_return offline_error(object, "the bus is down");
   }
@@ -18,7 +18,7 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::Supervisor::read(ObjectAddress o
   if (phase_ != Phase::online && !sdo_.answered()) {
     co_return offline_error(object, "the drive does not answer");
   }
-  co_return co_await sdo_.read(object, type);
+  co_return co_await sdo_.read(object, type, due);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::write(ObjectAddress object, DataType type, Raw raw,
@@ -61,7 +61,8 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_nmt(NmtCommand
   if (command != NmtCommand::start) {
     sdo_.withdraw_commands();  // Of the same queue, and behind it.
   }
-  Result<void> left = co_await bus_.send_command(nmt_frame(command, settings_.node), deadline);
+  // A stop or a reset may also reach a node that has rebooted meanwhile.
+  Result<void> left = co_await transmit_nmt(command, deadline, command == NmtCommand::start);
   if (stopping_) {
     co_return left;
   }
@@ -76,6 +77,37 @@ boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::send_nmt(NmtCommand
   }
   on_nmt_left(command);
   co_return left;
+}
+
+RemoteNode::Supervisor::NmtSending::NmtSending(Supervisor& owner, NmtCommand command, TimePoint deadline,
+                                               bool of_this_life)
+    : owner_(owner),
+      transmission_(owner.bus_, TransmitClass::nmt, nmt_frame(command, owner.settings_.node), deadline),
+      of_this_life_(of_this_life) {
+  owner_.nmt_sendings_.push_back(this);
+}
+
+void RemoteNode::Supervisor::NmtSending::withdraw() {
+  withdrawn_ = true;
+  transmission_.withdraw();
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::Supervisor::transmit_nmt(NmtCommand command, TimePoint deadline,
+                                                                          bool of_this_life) {
+  NmtSending sending(*this, command, deadline, of_this_life);
+  Result<void> left = co_await sending.result();
+  if (left.has_error() && !left.error().outcome_unknown && sending.withdrawn()) {
+    co_return offline_error({}, "withdrawn: the drive was lost, rebooted or removed");
+  }
+  co_return left;
+}
+
+void RemoteNode::Supervisor::withdraw_nmt(bool all) {
+  for (NmtSending* sending : nmt_sendings_) {
+    if (all || sending->of_this_life()) {
+      sending->withdraw();
+    }
+  }
 }
 
 void RemoteNode::Supervisor::on_nmt_left(NmtCommand command) {

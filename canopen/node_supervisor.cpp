@@ -65,6 +65,7 @@ boost::asio::awaitable<void> RemoteNode::Supervisor::stop() {
   subscriptions_.clear();
   watch_.suspend();
   leave_service();
+  withdraw_nmt(true);
   status_.online = false;
   while (running_ || operations_ > 0) {
     co_await ended_.wait_until(TimePoint::max());
@@ -217,6 +218,7 @@ void RemoteNode::Supervisor::leave_service() {
   verified_tpdos_.clear();
   sdo_.interrupt();
   rpdos_.cease();
+  withdraw_nmt(false);
   changed_.notify();
 }
 

@@ -18,6 +18,7 @@
 #include "canopen/sdo/client.h"
 #include "canopen/subscription.h"
 #include "canopen/takeover.h"
+#include "canopen/transmission.h"
 
 namespace canopen {
 
@@ -46,7 +47,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
   [[nodiscard]] RpdoSender& rpdos() noexcept { return rpdos_; }
 
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due);
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
                                              StillStands still_stands = {});
   boost::asio::awaitable<Result<void>> command(NmtCommand command, TimePoint deadline);
@@ -103,6 +104,10 @@ class RemoteNode::Supervisor final : private NmtLine {
   static void note_left_by_itself(NodeStatus& status);
   /// Ends the present phase: what is pending fails as offline, RPDOs are void.
   void leave_service();
+  /// Sends an NMT command. `of_this_life`: it is withdrawn when the present phase ends, for it could start a node that
+  /// was not set up since its boot-up.
+  boost::asio::awaitable<Result<void>> transmit_nmt(NmtCommand command, TimePoint deadline, bool of_this_life);
+  void withdraw_nmt(bool all);
   /// No command that has not begun may reach a node that is not operational any more.
   void withdraw_commands();
   /// Applies `change` to the status and tells it where a field but the heartbeat's time differs.
@@ -158,6 +163,8 @@ class RemoteNode::Supervisor final : private NmtLine {
   bool closing_ = false;
   bool stopping_ = false;
   std::size_t operations_ = 0;
+  class NmtSending;
+  std::vector<NmtSending*> nmt_sendings_;
 
   std::vector<Subscription> subscriptions_;
 };
@@ -171,6 +178,26 @@ void RemoteNode::Supervisor::change_status(Change change) {
     events_.on_status(status_);
   }
 }
+
+/// An NMT command under way, where withdraw_nmt() finds it.
+class RemoteNode::Supervisor::NmtSending {
+ public:
+  NmtSending(Supervisor& owner, NmtCommand command, TimePoint deadline, bool of_this_life);
+  ~NmtSending() { std::erase(owner_.nmt_sendings_, this); }
+  NmtSending(const NmtSending&) = delete;
+  NmtSending& operator=(const NmtSending&) = delete;
+
+  boost::asio::awaitable<Result<void>> result() { return transmission_.result(); }
+  void withdraw();
+  [[nodiscard]] bool withdrawn() const noexcept { return withdrawn_; }
+  [[nodiscard]] bool of_this_life() const noexcept { return of_this_life_; }
+
+ private:
+  Supervisor& owner_;
+  Transmission transmission_;
+  bool of_this_life_;
+  bool withdrawn_ = false;
+};
 
 /// Counts what a RemoteNode does for a caller, so that stop() can wait for its end.
 class RemoteNode::Supervisor::Operation {

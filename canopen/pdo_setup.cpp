@@ -17,9 +17,8 @@ constexpr std::uint8_t kInhibitTime = 3;
 constexpr std::uint8_t kEventTimer = 5;
 
 constexpr Raw kIdentifier = 0x1FFF'FFFF;
-constexpr Raw kInvalid = 0x8000'0000;  // Bit 31: the PDO does not exist.
-constexpr Raw kRtrForbidden =
-    0x4000'0000;  // Bit 30; real devices keep it as they like, it says nothing about the COB-ID.
+constexpr Raw kInvalid = 0x8000'0000;       // Bit 31: the PDO does not exist.
+constexpr Raw kRtrForbidden = 0x4000'0000;  // Bit 30; devices keep it as they like, it says nothing of the COB-ID.
 
 /// Where a PDO of a node differs from its settings.
 struct Comparison {
@@ -30,7 +29,8 @@ struct Comparison {
   bool cob_id_differs = false;
   std::vector<SetupItem> parameters;  ///< Type and times that differ.
   bool mapping_differs = false;
-  bool timing_confirmed = false;
+  bool timing_known = false;    ///< The node has all that decides when a TPDO comes.
+  bool timing_differs = false;  ///< Part of that differs.
   bool must_not_write = false;  ///< Something with policy verify differs.
   std::string text;             ///< The first difference.
 
@@ -48,13 +48,18 @@ class PdoSetup {
         mapping_(static_cast<std::uint16_t>(communication_ + kMappingOffset)) {}
 
   boost::asio::awaitable<Comparison> compare();
-  boost::asio::awaitable<std::optional<BootFailure>> apply(Comparison found);
+  /// Writes what differs. `found` must not be a failure.
+  boost::asio::awaitable<std::optional<BootFailure>> apply(const Comparison& found);
+  /// Reads back what apply() wrote, and what a node may have changed by itself meanwhile.
+  boost::asio::awaitable<std::optional<BootFailure>> confirm(const Comparison& written);
 
  private:
   boost::asio::awaitable<void> compare_parameters(Comparison& found);
   boost::asio::awaitable<void> compare_mapping(Comparison& found);
   boost::asio::awaitable<std::optional<BootFailure>> write(SetupItem item);
   boost::asio::awaitable<std::optional<BootFailure>> write_mapping();
+  boost::asio::awaitable<std::optional<BootFailure>> confirm_item(SetupItem item, Raw ignored = 0);
+  [[nodiscard]] Raw enabled_cob_id(const Comparison& found) const;
 
   [[nodiscard]] std::vector<SetupItem> wanted_parameters() const;
   [[nodiscard]] SetupItem cob_id_item(Raw wanted) const;
@@ -102,7 +107,7 @@ boost::asio::awaitable<Comparison> PdoSetup::compare() {
 }
 
 boost::asio::awaitable<void> PdoSetup::compare_parameters(Comparison& found) {
-  found.timing_confirmed = pdo_.transmission_type.has_value();
+  found.timing_known = pdo_.transmission_type.has_value();
   for (const SetupItem& item : wanted_parameters()) {
     const Result<Raw> value = co_await session_.read(item.object, item.type);
     const bool timing = item.object.sub != kInhibitTime;
@@ -111,11 +116,11 @@ boost::asio::awaitable<void> PdoSetup::compare_parameters(Comparison& found) {
         found.failure = session_.failure(value.error(), item.name);
         co_return;
       }
-      found.timing_confirmed = found.timing_confirmed && !timing;
+      found.timing_known = found.timing_known && !timing;
     } else if (value.value() != item.wanted) {
       note(found, pdo_.communication, item, value.value());
       found.parameters.push_back(item);
-      found.timing_confirmed = found.timing_confirmed && !timing;
+      found.timing_differs = found.timing_differs || timing;
     }
   }
 }
@@ -152,7 +157,7 @@ boost::asio::awaitable<void> PdoSetup::compare_mapping(Comparison& found) {
 
 // The order of CiA 301 §7.5.2.36: many devices refuse any change while the PDO is valid, some change the mapping's sub
 // 0 to 0 by themselves meanwhile, and COB-IDs may be changed only while it is invalid.
-boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::apply(Comparison found) {
+boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::apply(const Comparison& found) {
   std::optional<BootFailure> failure;
   if ((found.cob_id & kInvalid) == 0) {
     failure = co_await write(cob_id_item(found.cob_id | kInvalid));
@@ -164,11 +169,40 @@ boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::apply(Comparison fo
     failure = co_await write(found.parameters[i]);
   }
   if (!failure) {
-    const Raw enabled = pdo_.communication == SetupPolicy::assume ? found.cob_id & ~kInvalid
-                                                                  : (found.cob_id & kRtrForbidden) | pdo_.cob_id;
-    failure = co_await write(cob_id_item(enabled));
+    failure = co_await write(cob_id_item(enabled_cob_id(found)));
   }
   co_return failure;
+}
+
+boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::confirm(const Comparison& written) {
+  std::vector<SetupItem> items = written.parameters;
+  if (pdo_.mapping_policy != SetupPolicy::assume && !written.mapping_absent) {
+    items.push_back(count_item(pdo_.mapping.size()));  // Some clear it when the PDO is switched off.
+  }
+  for (std::size_t position = 0; written.mapping_differs && position < pdo_.mapping.size(); ++position) {
+    items.push_back(entry_item(position));
+  }
+  std::optional<BootFailure> failure = co_await confirm_item(cob_id_item(enabled_cob_id(written)), kRtrForbidden);
+  for (std::size_t i = 0; !failure && i < items.size(); ++i) {
+    failure = co_await confirm_item(items[i]);
+  }
+  co_return failure;
+}
+
+boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::confirm_item(SetupItem item, Raw ignored) {
+  std::optional<BootFailure> failure;
+  const Result<Raw> value = co_await session_.read(item.object, item.type);
+  if (value.has_error()) {
+    failure = session_.failure(value.error(), item.name);
+  } else if ((value.value() & ~ignored) != (item.wanted & ~ignored)) {
+    failure = session_.difference(difference_text(item, value.value()) + " after it was written");
+  }
+  co_return failure;
+}
+
+Raw PdoSetup::enabled_cob_id(const Comparison& found) const {
+  return pdo_.communication == SetupPolicy::assume ? found.cob_id & ~kInvalid
+                                                   : (found.cob_id & kRtrForbidden) | pdo_.cob_id;
 }
 
 boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::write_mapping() {
@@ -236,14 +270,6 @@ void PdoSetup::note(Comparison& found, SetupPolicy policy, const SetupItem& item
   }
 }
 
-PdoSetupOutcome outcome_of(const Comparison& found) {
-  PdoSetupOutcome outcome;
-  outcome.failure = found.failure;
-  outcome.timing_confirmed = found.timing_confirmed;
-  outcome.absent = found.communication_absent || found.mapping_absent;
-  return outcome;
-}
-
 }  // namespace
 
 boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRole role, const PdoSettings& pdo) {
@@ -252,8 +278,10 @@ boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRol
     co_return outcome;
   }
   PdoSetup setup(session, role, pdo);
-  Comparison found = co_await setup.compare();
-  outcome = outcome_of(found);
+  const Comparison found = co_await setup.compare();
+  outcome.failure = found.failure;
+  outcome.timing_confirmed = found.timing_known && !found.timing_differs;
+  outcome.absent = found.communication_absent || found.mapping_absent;
   if (outcome.failure || !found.differs()) {
     co_return outcome;
   }
@@ -262,14 +290,10 @@ boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRol
     co_return outcome;
   }
   outcome.failure = co_await setup.apply(found);
-  if (outcome.failure) {
-    co_return outcome;
+  if (!outcome.failure) {
+    outcome.failure = co_await setup.confirm(found);
   }
-  found = co_await setup.compare();
-  outcome = outcome_of(found);
-  if (!outcome.failure && found.differs()) {
-    outcome.failure = session.difference(found.text + " after it was written");
-  }
+  outcome.timing_confirmed = found.timing_known && !outcome.failure;
   co_return outcome;
 }
 

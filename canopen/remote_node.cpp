@@ -35,8 +35,8 @@ bool RemoteNode::tpdo_verified(std::uint16_t number) const noexcept {
   return supervisor_->tpdo_verified(number);
 }
 
-boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataType type) {
-  return supervisor_->read(object, type);
+boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataType type, TimePoint due) {
+  return supervisor_->read(object, type, due);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/node_events.h"
 #include "canopen/node_settings.h"
@@ -41,7 +42,8 @@ class RemoteNode {
   void close();
 
   /// SDO upload with retries. Refused as offline while the node does not answer SDOs at all, or is stopped.
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
+  /// `due`: when it was to be done; of all that waits for its turn on a busy bus the earliest is next.
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now());
   /// SDO download of a command: sent once, withdrawn when not begun by `deadline`, outcome unknown when begun and
   /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`;
   /// one that was made from what does not stand any more: `incomplete`.

@@ -1,14 +1,15 @@
 #include "canopen/rpdo_sender.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
-#include "canopen/bus.h"
+#include "canopen/transmission.h"
 
 namespace canopen {
 
-/// A place in the line of those who want to send.
+/// One who wants to send, in the line of all who do.
 class RpdoSender::Turn {
  public:
   explicit Turn(RpdoSender& sender) : sender_(sender) { sender_.users_.push_back(this); }
@@ -20,6 +21,19 @@ class RpdoSender::Turn {
   Turn& operator=(const Turn&) = delete;
 
   [[nodiscard]] bool mine() const noexcept { return sender_.users_.front() == this; }
+
+  /// Its RPDO, while that waits for its departure.
+  struct Sending {
+    const Entry* entry;
+    bool relies_on_known;  ///< It carries values that were commanded earlier.
+    Transmission transmission;
+
+    Sending(const Entry* what, bool relies, Bus& bus, const Frame& frame, TimePoint deadline)
+        : entry(what), relies_on_known(relies), transmission(bus, TransmitClass::command, frame, deadline) {}
+  };
+  std::optional<Sending> sending;
+  bool ceased = false;  ///< cease() was called since it came.
+  bool voided = false;  ///< make_void() was called since it is under way.
 
  private:
   RpdoSender& sender_;
@@ -53,33 +67,30 @@ boost::asio::awaitable<Result<void>> RpdoSender::send(std::uint16_t number, std:
   if (entry == nullptr) {
     co_return error(ErrorKind::unknown, "no RPDO" + std::to_string(number));
   }
-  const std::uint32_t ceased = ceased_;
-  const Turn turn(*this);
-  while (!turn.mine() && ceased == ceased_ && Clock::now() < deadline) {
+  Turn turn(*this);
+  while (!turn.mine() && !turn.ceased && Clock::now() < deadline) {
     co_await turn_event_.wait_until(deadline);
   }
-  if (ceased != ceased_) {
+  if (turn.ceased) {
     co_return error(ErrorKind::offline, "the drive was lost, rebooted, or left operational");
   }
   if (!turn.mine()) {
     co_return error(ErrorKind::timeout, "not begun: other RPDOs were on their way");
   }
-  co_return co_await transmit(*entry, std::move(fields), deadline);
+  co_return co_await transmit(turn, *entry, std::move(fields), deadline);
 }
 
-boost::asio::awaitable<Result<void>> RpdoSender::transmit(Entry& entry, std::vector<ObjectValue> fields,
+boost::asio::awaitable<Result<void>> RpdoSender::transmit(Turn& turn, Entry& entry, std::vector<ObjectValue> fields,
                                                           TimePoint deadline) {
   const std::optional<Rpdo::Draft> draft = entry.rpdo.build(fields);
   if (!draft) {
     co_return error(ErrorKind::incomplete,
                     "RPDO" + std::to_string(entry.rpdo.number()) + " has fields that nobody commanded");
   }
-  const std::uint32_t ceased = ceased_;
-  const std::uint32_t voided = voided_;
-  under_way_ = &entry;
-  relies_on_known_ = !entry.blank.complete(fields);
-  Result<void> left = co_await bus_.send_command(draft->frame, deadline);
-  under_way_ = nullptr;
+  entry.repeated.reset();  // It is older.
+  Turn::Sending& sending = turn.sending.emplace(&entry, !entry.blank.complete(fields), bus_, draft->frame, deadline);
+  Result<void> left = co_await sending.transmission.result();
+  turn.sending.reset();
   if (left.has_value()) {
     entry.rpdo.confirm(*draft, fields);
     if (entry.repeat > Duration::zero() && entry.rpdo.last_confirmed()) {
@@ -91,9 +102,9 @@ boost::asio::awaitable<Result<void>> RpdoSender::transmit(Entry& entry, std::vec
   failure.node = node_;
   if (failure.outcome_unknown) {
     entry.rpdo.outcome_unknown(fields);
-  } else if (ceased != ceased_) {
+  } else if (turn.ceased) {
     failure = error(ErrorKind::offline, "withdrawn: the drive was lost, rebooted, or left operational");
-  } else if (voided != voided_) {
+  } else if (turn.voided) {
     failure = error(ErrorKind::incomplete, "withdrawn: the motor came to a stop, which makes earlier commands void");
   }
   co_return failure;
@@ -125,27 +136,34 @@ void RpdoSender::forget(ObjectAddress object) noexcept {
 }
 
 void RpdoSender::cease() {
-  ++ceased_;
   for (Entry& entry : entries_) {
     entry.rpdo.make_void();
     entry.repetition->cancel();
-    bus_.withdraw(entry.rpdo.cob_id());
+    entry.repeated.reset();
+  }
+  for (Turn* turn : users_) {
+    turn->ceased = true;
+  }
+  if (Turn* turn = under_way()) {
+    turn->sending->transmission.withdraw();
   }
   turn_event_.notify();
 }
 
 void RpdoSender::make_void(bool keep_repeating) {
-  ++voided_;
   for (Entry& entry : entries_) {
     if (keep_repeating) {
       entry.rpdo.make_void_but_repeat();
     } else {
       entry.rpdo.make_void();
       entry.repetition->cancel();
+      entry.repeated.reset();
     }
-    const bool under_way = under_way_ == &entry;
-    if (under_way ? relies_on_known_ : !keep_repeating) {
-      bus_.withdraw(entry.rpdo.cob_id());
+  }
+  if (Turn* turn = under_way()) {
+    turn->voided = true;
+    if (turn->sending->relies_on_known) {
+      turn->sending->transmission.withdraw();
     }
   }
 }
@@ -162,10 +180,17 @@ void RpdoSender::repeat(Entry& entry) {
     return;
   }
   // While a command of this RPDO waits, or its departure is not yet noted, the last confirmed frame is the older one.
-  if (under_way_ != &entry && Clock::now() >= entry.held_until) {
-    bus_.repeat(*frame);
+  const Turn* turn = under_way();
+  const bool commanded = turn != nullptr && turn->sending->entry == &entry;
+  if (!commanded && Clock::now() >= entry.held_until) {
+    entry.repeated.reset();
+    entry.repeated = bus_.send(TransmitClass::repetition, *frame, Clock::now() + TransmitQueue::kLifeTime);
   }
   entry.repetition->arm(Clock::now() + entry.repeat);
+}
+
+RpdoSender::Turn* RpdoSender::under_way() const noexcept {
+  return !users_.empty() && users_.front()->sending ? users_.front() : nullptr;
 }
 
 RpdoSender::Entry* RpdoSender::find(std::uint16_t number) noexcept {

@@ -13,6 +13,7 @@
 #include "canopen/event.h"
 #include "canopen/node_settings.h"
 #include "canopen/rpdo.h"
+#include "canopen/ticket.h"
 #include "canopen/wake_up.h"
 
 namespace canopen {
@@ -55,10 +56,14 @@ class RpdoSender {
     Duration repeat;  ///< Zero: not repeated.
     std::unique_ptr<WakeUp> repetition;
     TimePoint held_until{};
+    Ticket repeated{};  ///< The newest repetition.
   };
 
-  boost::asio::awaitable<Result<void>> transmit(Entry& entry, std::vector<ObjectValue> fields, TimePoint deadline);
+  boost::asio::awaitable<Result<void>> transmit(Turn& turn, Entry& entry, std::vector<ObjectValue> fields,
+                                                TimePoint deadline);
   void repeat(Entry& entry);
+  /// The one that waits for its RPDO's departure; nothing where none does.
+  [[nodiscard]] Turn* under_way() const noexcept;
   [[nodiscard]] Entry* find(std::uint16_t number) noexcept;
   [[nodiscard]] const Entry* find(std::uint16_t number) const noexcept;
   [[nodiscard]] Error error(ErrorKind kind, std::string detail) const;
@@ -68,11 +73,7 @@ class RpdoSender {
   std::uint8_t node_;
   std::vector<Entry> entries_;
   Event turn_event_;
-  std::deque<const Turn*> users_;  ///< The first one sends.
-  const Entry* under_way_ = nullptr;
-  bool relies_on_known_ = false;  ///< What is under way carries values that were commanded earlier.
-  std::uint32_t ceased_ = 0;
-  std::uint32_t voided_ = 0;
+  std::deque<Turn*> users_;  ///< The first one sends.
 };
 
 }  // namespace canopen

@@ -41,12 +41,12 @@ boost::asio::awaitable<std::optional<FoundState>> listen(StateSearch search, Dur
   co_return sign;
 }
 
-void request_guarding(StateSearch search) {
+Ticket request_guarding(StateSearch search) {
   Frame request;
   request.id = kErrorControlBase + search.settings.node;
   request.size = 1;
   request.remote = true;
-  search.bus.send(request);
+  return search.bus.send(TransmitClass::control, request, Clock::now() + TransmitQueue::kLifeTime);
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ boost::asio::awaitable<FoundState> learn_state(StateSearch search) {
     sign = co_await listen(search, heartbeat + heartbeat / 2);
   } else if (heartbeat == Duration::zero() && search.settings.error_control.has_guarding) {
     search.signs.guarding_asked = true;
-    request_guarding(search);
+    const Ticket request = request_guarding(search);
     sign = co_await listen(search, search.settings.sdo.timeout);
     search.signs.guarding_asked = false;
   }

@@ -6,66 +6,67 @@
 namespace canopen {
 namespace {
 
-void complete(TransmitQueue::Completion& completion, Departure departure) {
-  if (const TransmitQueue::Completion once = std::exchange(completion, nullptr)) {
+constexpr std::size_t kMostInKernel = 3;
+
+void tell(TransmitQueue::Told& told, Departure departure) {
+  if (const TransmitQueue::Told once = std::exchange(told, nullptr)) {
     once(departure);
   }
 }
 
+bool is_command(TransmitClass transmit_class) noexcept {
+  return transmit_class == TransmitClass::nmt || transmit_class == TransmitClass::command;
+}
+
+/// What can move a motor.
+bool is_motion(TransmitClass transmit_class) noexcept {
+  return is_command(transmit_class) || transmit_class == TransmitClass::repetition;
+}
+
+/// By which what waits is sorted. SDO frames keep their order: a node with a high id has its turn, too.
+std::uint64_t rank(TransmitClass transmit_class, const Frame& frame) noexcept {
+  const std::uint32_t id = transmit_class == TransmitClass::sdo ? 0 : frame.id;
+  return std::uint64_t{static_cast<std::uint8_t>(transmit_class)} << 32U | id;
+}
+
 }  // namespace
 
-TransmitQueue::TransmitQueue(Link& link) : link_(link) {
+TransmitQueue::TransmitQueue(Link& link, TransmitTimes times) : link_(link), times_(times) {
   waiting_.reserve(kCapacity);
-  in_kernel_.reserve(kMaxInKernel);
+  in_kernel_.reserve(kMostInKernel);
 }
 
-bool TransmitQueue::push(const Frame& frame, TimePoint now) {
-  return enqueue({frame, Kind::ordinary, now + kLifeTime, 0, nullptr});
-}
-
-bool TransmitQueue::push_latest(const Frame& frame, TimePoint now) {
-  return replace_or_enqueue(frame, Kind::latest, now);
-}
-
-bool TransmitQueue::push_repetition(const Frame& frame, TimePoint now) {
-  return replace_or_enqueue(frame, Kind::repetition, now);
-}
-
-TransmitQueue::Ticket TransmitQueue::push_command(const Frame& frame, TimePoint deadline, Completion completion,
-                                                  TimePoint now) {
-  const Ticket ticket = ++last_ticket_;
-  if (!up_ || refuses_commands()) {
-    complete(completion, Departure::offline);
-    return ticket;
+Ticket TransmitQueue::push(TransmitClass transmit_class, const Frame& frame, TimePoint until, Told told,
+                           TimePoint now) {
+  if (!up_ || (is_command(transmit_class) && refuses_commands())) {
+    tell(told, Departure::offline);
+    return {};
   }
-  if (deadline <= now || waiting_.size() >= kCapacity) {
-    complete(completion, Departure::withdrawn);
-    return ticket;
+  if (until <= now || waiting_.size() >= kCapacity) {
+    tell(told, Departure::withdrawn);
+    return {};
   }
-  std::erase_if(waiting_, [&](const Waiting& entry) {
-    return (entry.kind == Kind::latest || entry.kind == Kind::repetition) && entry.frame.id == frame.id;
-  });
-  enqueue({frame, Kind::command, deadline, ticket, std::move(completion)});
-  return ticket;
+  const std::uint64_t id = ++last_id_;
+  enqueue({frame, transmit_class, until, id, std::move(told)});
+  return {*this, id};
 }
 
-void TransmitQueue::cancel(Ticket ticket) {
-  std::erase_if(waiting_, [&](const Waiting& entry) { return entry.kind == Kind::command && entry.ticket == ticket; });
+void TransmitQueue::drop(std::uint64_t id) {
+  std::erase_if(waiting_, [id](const Waiting& entry) { return entry.id == id; });
   for (InKernel& entry : in_kernel_) {
-    if (entry.kind == Kind::command && entry.ticket == ticket) {
-      entry.completion = nullptr;
+    if (entry.id == id) {
+      entry.told = nullptr;
     }
   }
 }
 
-void TransmitQueue::withdraw(std::uint32_t cob_id) {
-  const auto is_such = [&](const Waiting& entry) { return entry.kind != Kind::ordinary && entry.frame.id == cob_id; };
+void TransmitQueue::withdraw(std::uint64_t id) {
   for (Waiting& entry : waiting_) {
-    if (is_such(entry)) {
-      complete(entry.completion, Departure::withdrawn);
+    if (entry.id == id) {
+      tell(entry.told, Departure::withdrawn);
     }
   }
-  std::erase_if(waiting_, is_such);
+  std::erase_if(waiting_, [id](const Waiting& entry) { return entry.id == id; });
 }
 
 // The kernel gives frames back in the order it got them; a controller with several mailboxes may swap neighbours. The
@@ -74,23 +75,39 @@ void TransmitQueue::withdraw(std::uint32_t cob_id) {
 void TransmitQueue::on_echo(const Frame& frame, TimePoint at) {
   last_sign_of_life_ = at;
   retry_at_.reset();
+  retry_pause_ = kRetry;
   const auto found =
       std::find_if(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& entry) { return entry.frame == frame; });
   const bool known = found != in_kernel_.end();
   for (auto entry = known ? found + 1 : in_kernel_.begin(); entry != in_kernel_.end(); ++entry) {
     if (entry->overdue && !entry->lost_at) {
-      entry->lost_at = at + kEchoTime;
+      entry->lost_at = at + times_.echo;
     }
   }
   if (!known) {
     return;
   }
-  complete(found->completion, Departure::left);
+  tell(found->told, Departure::left);
   for (auto entry = in_kernel_.begin(); entry != found; ++entry) {
     entry->passed = true;
-    entry->gone = entry->kind != Kind::command || entry->overdue;
+    entry->gone = !is_command(entry->transmit_class) || entry->overdue;
+    if (entry->gone) {
+      tell(entry->told, Departure::unknown);
+    }
   }
   found->gone = true;
+  erase_gone();
+}
+
+void TransmitQueue::on_frames_lost() {
+  for (InKernel& entry : in_kernel_) {
+    entry.doubtful = true;
+    entry.followed = false;
+    if (!is_motion(entry.transmit_class)) {
+      tell(entry.told, Departure::unknown);
+      entry.gone = true;
+    }
+  }
   erase_gone();
 }
 
@@ -99,17 +116,22 @@ void TransmitQueue::on_bus(bool up) {
   if (up) {
     return;
   }
-  fail_waiting_commands();
+  for (Waiting& entry : waiting_) {
+    tell(entry.told, Departure::offline);
+  }
   waiting_.clear();
-  // The kernel drops what it had. But a controller may keep one frame over a bus-off: commands wait for an echo.
-  std::erase_if(in_kernel_, [](const InKernel& entry) { return entry.kind != Kind::command; });
+  // The kernel drops what it had. But a controller may keep one frame over a bus-off: what moves a motor waits for an
+  // echo.
   for (InKernel& entry : in_kernel_) {
-    complete(entry.completion, Departure::unknown);
-    entry.overdue = true;
+    tell(entry.told, Departure::unknown);
+    entry.overdue = is_motion(entry.transmit_class);
+    entry.gone = !entry.overdue;
     entry.lost_at.reset();
   }
+  erase_gone();
   last_sign_of_life_.reset();
   retry_at_.reset();
+  retry_pause_ = kRetry;
 }
 
 void TransmitQueue::service(TimePoint now) {
@@ -123,58 +145,36 @@ void TransmitQueue::service(TimePoint now) {
 }
 
 std::optional<TimePoint> TransmitQueue::next_time() const noexcept {
-  TimePoint next = retry_at_.value_or(TimePoint::max());
+  TimePoint next = retry_at_.value_or(kNever);
   for (const Waiting& entry : waiting_) {
     next = std::min(next, entry.until);
   }
   for (const InKernel& entry : in_kernel_) {
-    if (entry.overdue) {
-      next = std::min(next, entry.lost_at.value_or(TimePoint::max()));
-    } else if (entry.completion) {
-      next = std::min(next, entry.until);
-    } else {
-      next = std::min(next, entry.since + (entry.kind == Kind::command ? kEchoTime : kLifeTime));
-    }
+    next = std::min(next, entry.overdue ? entry.lost_at.value_or(kNever) : entry.look_at);
   }
-  return next == TimePoint::max() ? std::nullopt : std::optional(next);
+  return next == kNever ? std::nullopt : std::optional(next);
 }
 
-bool TransmitQueue::wants_sign_of_life(TimePoint now) const noexcept {
-  return up_ && in_kernel_.empty() && !waiting_.empty() && !alive(now) &&
-         std::all_of(waiting_.begin(), waiting_.end(), [](const Waiting& entry) {
-           return entry.kind == Kind::command || entry.kind == Kind::repetition;
-         });
-}
-
-bool TransmitQueue::replace_or_enqueue(const Frame& frame, Kind kind, TimePoint now) {
-  if (!up_ || holds_command(frame.id)) {
+bool TransmitQueue::wants_heartbeat(TimePoint now) const noexcept {
+  const bool others_wait = std::any_of(waiting_.begin(), waiting_.end(),
+                                       [](const Waiting& entry) { return !is_motion(entry.transmit_class); });
+  if (!up_ || others_wait) {
     return false;
   }
-  for (Waiting& entry : waiting_) {
-    if (entry.kind == kind && entry.frame.id == frame.id) {
-      entry.frame = frame;
-      entry.until = now + kLifeTime;
-      return true;
-    }
+  if (!alive(now)) {
+    return in_kernel_.empty() && !waiting_.empty();
   }
-  return enqueue({frame, kind, now + kLifeTime, 0, nullptr});
+  return std::any_of(in_kernel_.begin(), in_kernel_.end(), [](const InKernel& entry) {
+    return is_motion(entry.transmit_class) && !entry.followed && (entry.overdue || entry.doubtful);
+  });
 }
 
-bool TransmitQueue::enqueue(Waiting entry) {
-  if (!up_ || waiting_.size() >= kCapacity) {
-    return false;
-  }
-  // Descending identifiers, and of equal ones the older further back.
-  const auto place = std::lower_bound(waiting_.begin(), waiting_.end(), entry.frame.id,
-                                      [](const Waiting& other, std::uint32_t id) { return other.frame.id > id; });
+void TransmitQueue::enqueue(Waiting entry) {
+  // Descending ranks, and of equal ones the older further back.
+  const auto place = std::lower_bound(
+      waiting_.begin(), waiting_.end(), rank(entry.transmit_class, entry.frame),
+      [](const Waiting& other, std::uint64_t mine) { return rank(other.transmit_class, other.frame) > mine; });
   waiting_.insert(place, std::move(entry));
-  return true;
-}
-
-bool TransmitQueue::holds_command(std::uint32_t cob_id) const noexcept {
-  const auto is_such = [&](const auto& entry) { return entry.kind == Kind::command && entry.frame.id == cob_id; };
-  return std::any_of(waiting_.begin(), waiting_.end(), is_such) ||
-         std::any_of(in_kernel_.begin(), in_kernel_.end(), is_such);
 }
 
 bool TransmitQueue::refuses_commands() const noexcept {
@@ -185,45 +185,41 @@ bool TransmitQueue::alive(TimePoint now) const noexcept {
   return last_sign_of_life_ && now - *last_sign_of_life_ <= kSignOfLife;
 }
 
-bool TransmitQueue::may_go(const Waiting& entry, TimePoint now) const noexcept {
-  const auto none_like_it_left = [&] {
-    return std::none_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& other) {
-      return other.kind == entry.kind && other.frame.id == entry.frame.id;
-    });
-  };
-  switch (entry.kind) {
-    case Kind::ordinary:
-      return true;
-    case Kind::latest:
-      return none_like_it_left();
-    case Kind::repetition:
-      return alive(now) && none_like_it_left();
-    case Kind::command:
-      return alive(now) && std::none_of(in_kernel_.begin(), in_kernel_.end(),
-                                        [](const InKernel& other) { return other.kind == Kind::command; });
+bool TransmitQueue::may_go(TransmitClass transmit_class, TimePoint now) const noexcept {
+  if (is_motion(transmit_class)) {
+    return alive(now) && std::none_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& entry) {
+             return is_motion(entry.transmit_class) || now - entry.since > times_.behind;
+           });
   }
-  return false;
+  return std::none_of(in_kernel_.begin(), in_kernel_.end(),
+                      [&](const InKernel& entry) { return entry.transmit_class == transmit_class; });
 }
 
 void TransmitQueue::hand_over(TimePoint now) {
-  while (up_ && in_kernel_.size() < kMaxInKernel) {
-    const auto next =
-        std::find_if(waiting_.rbegin(), waiting_.rend(), [&](const Waiting& entry) { return may_go(entry, now); });
+  while (up_) {
+    const auto next = std::find_if(waiting_.rbegin(), waiting_.rend(),
+                                   [&](const Waiting& entry) { return may_go(entry.transmit_class, now); });
     if (next == waiting_.rend()) {
       return;
     }
     // `down` is followed by a report of the bus' state; until then it is no different.
     if (link_.send(next->frame) != SendResult::handed_over) {
-      retry_at_ = now + kRetry;
+      retry_at_ = now + retry_pause_;
+      retry_pause_ = std::min(2 * retry_pause_, kLongestRetry);
       return;
     }
-    const TimePoint until = next->kind == Kind::command ? std::min(next->until, now + kEchoTime) : now + kLifeTime;
+    retry_pause_ = kRetry;
+    for (InKernel& before : in_kernel_) {
+      before.followed = true;
+    }
+    const TimePoint look_at =
+        is_command(next->transmit_class) ? std::min(next->until, now + times_.echo) : now + times_.echo;
     in_kernel_.push_back({.frame = next->frame,
-                          .kind = next->kind,
+                          .transmit_class = next->transmit_class,
                           .since = now,
-                          .until = until,
-                          .ticket = next->ticket,
-                          .completion = std::move(next->completion),
+                          .look_at = look_at,
+                          .id = next->id,
+                          .told = std::move(next->told),
                           .lost_at = {}});
     waiting_.erase(std::next(next).base());
   }
@@ -232,7 +228,7 @@ void TransmitQueue::hand_over(TimePoint now) {
 void TransmitQueue::drop_late(TimePoint now) {
   for (Waiting& entry : waiting_) {
     if (now >= entry.until) {
-      complete(entry.completion, Departure::withdrawn);
+      tell(entry.told, Departure::withdrawn);
     }
   }
   std::erase_if(waiting_, [&](const Waiting& entry) { return now >= entry.until; });
@@ -240,7 +236,11 @@ void TransmitQueue::drop_late(TimePoint now) {
 
 void TransmitQueue::give_up_late(TimePoint now) {
   for (InKernel& entry : in_kernel_) {
-    give_up(entry, now);
+    if (is_motion(entry.transmit_class)) {
+      give_up_motion(entry, now);
+    } else {
+      give_up_other(entry, now);
+    }
   }
   erase_gone();
   if (refuses_commands()) {
@@ -248,19 +248,33 @@ void TransmitQueue::give_up_late(TimePoint now) {
   }
 }
 
-void TransmitQueue::give_up(InKernel& entry, TimePoint now) {
-  if (entry.kind != Kind::command) {
-    entry.gone = now >= entry.until;
-    return;
-  }
-  if (now >= entry.until) {
-    complete(entry.completion, Departure::unknown);
-  }
+void TransmitQueue::give_up_motion(InKernel& entry, TimePoint now) const {
   if (entry.overdue) {
     entry.gone = entry.lost_at && now >= *entry.lost_at;
-  } else if (now >= entry.since + kEchoTime) {
+    return;
+  }
+  if (now < entry.look_at) {
+    return;
+  }
+  tell(entry.told, Departure::unknown);
+  entry.look_at = entry.since + times_.echo;
+  if (now >= entry.look_at) {
     entry.overdue = true;
     entry.gone = entry.passed;
+  }
+}
+
+// Where nothing is received at all, the frame stays with the controller, and another one would only follow it there.
+void TransmitQueue::give_up_other(InKernel& entry, TimePoint now) const {
+  if (now < entry.look_at) {
+    return;
+  }
+  const bool lives = last_sign_of_life_ && *last_sign_of_life_ > entry.since && now - *last_sign_of_life_ < times_.echo;
+  if (lives || now >= entry.since + kLifeTime) {
+    tell(entry.told, Departure::unknown);
+    entry.gone = true;
+  } else {
+    entry.look_at = std::min(now + times_.echo, entry.since + kLifeTime);
   }
 }
 
@@ -270,9 +284,11 @@ void TransmitQueue::erase_gone() {
 
 void TransmitQueue::fail_waiting_commands() {
   for (Waiting& entry : waiting_) {
-    complete(entry.completion, Departure::offline);
+    if (is_command(entry.transmit_class)) {
+      tell(entry.told, Departure::offline);
+    }
   }
-  std::erase_if(waiting_, [](const Waiting& entry) { return entry.kind == Kind::command; });
+  std::erase_if(waiting_, [](const Waiting& entry) { return is_command(entry.transmit_class); });
 }
 
 }  // namespace canopen

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -8,105 +9,120 @@
 #include "canopen/clock.h"
 #include "canopen/frame.h"
 #include "canopen/link.h"
+#include "canopen/ticket.h"
+#include "canopen/transmit_times.h"
 
 namespace canopen {
 
-/// How the wait for a command's departure ended.
+/// What a frame is for. Lower ones leave first, whatever their COB-ID: by COB-ID alone the SDO requests of many booting
+/// drives keep our heartbeat back, which has the highest one, and with it every stop by SDO.
+enum class TransmitClass : std::uint8_t {
+  nmt,         ///< NMT commands.
+  control,     ///< SYNC, our heartbeat, guarding requests.
+  command,     ///< RPDOs and SDO downloads that somebody asked for.
+  repetition,  ///< Confirmed RPDOs again.
+  sdo          ///< All other SDO frames, first come first served.
+};
+
+/// How the wait for a frame's departure ended.
 enum class Departure : std::uint8_t {
   left,       ///< Its echo came back.
-  withdrawn,  ///< Its deadline passed before the kernel had it: it can never leave.
+  withdrawn,  ///< Its time passed, or it was withdrawn, before the kernel had it: it can never leave.
   unknown,    ///< The kernel had it, and no echo came in time.
   offline     ///< The bus is down, or takes no command until an echo returns.
 };
 
-/// Everything that waits to leave on one bus, by COB-ID priority. The kernel gets only a few frames at a time, the next
-/// one when an echo came back: so a frame past its time is dropped here instead of leaving when a cable is plugged in
-/// an hour later. Of commands the kernel holds at most one, and gets it only while the bus shows life.
+/// Everything that waits to leave on one bus, by class, then COB-ID, then age. The kernel gets very few frames at a
+/// time, the next one when an echo came back: so a frame past its time is dropped here instead of leaving when a cable
+/// is plugged in an hour later. At most three are in the kernel:
+/// - one that can move a motor (NMT, command, repetition), and only while the bus shows life and no frame of ours is
+///   stuck. Without its echo in time no other one follows until an echo proves that it has gone;
+/// - one of control, so that nothing keeps our heartbeat and SYNC back;
+/// - one of SDO.
+/// The last two are no longer waited for once their echo is late on a bus that lives, or may have been lost.
 ///
 /// Has no timer of its own: the owner calls service() at next_time() and after each event.
 class TransmitQueue {
  public:
-  /// Called once, possibly from inside push_command(); must not call the queue.
-  using Completion = std::function<void(Departure)>;
-  using Ticket = std::uint64_t;
+  /// Called once, possibly from inside push(); must not call the queue or a ticket.
+  using Told = Ticket::Told;
 
   static constexpr std::size_t kCapacity = 1024;
-  static constexpr std::size_t kMaxInKernel = 4;
-  static constexpr Duration kEchoTime = std::chrono::milliseconds(100);  ///< A command without echo is unknown then.
-  static constexpr Duration kLifeTime = std::chrono::seconds(1);         ///< Of a frame that is no command.
+  static constexpr Duration kLifeTime = std::chrono::seconds(1);    ///< Of a frame without a deadline of its own.
   static constexpr Duration kSignOfLife = std::chrono::seconds(1);  ///< Commands go while the last sign is not older.
-  static constexpr Duration kRetry = std::chrono::milliseconds(2);  ///< After `busy`, where no echo comes first.
+  static constexpr Duration kRetry = std::chrono::milliseconds(2);  ///< After `busy`, where no echo comes first;
+  static constexpr Duration kLongestRetry = std::chrono::milliseconds(32);  ///< doubled each time up to this.
 
-  explicit TransmitQueue(Link& link);
+  explicit TransmitQueue(Link& link, TransmitTimes times = {});
+  ~TransmitQueue() = default;
+  TransmitQueue(const TransmitQueue&) = delete;
+  TransmitQueue& operator=(const TransmitQueue&) = delete;
 
-  /// False where the bus is down or the queue is full.
-  bool push(const Frame& frame, TimePoint now);
-  /// Replaces a waiting frame of the same COB-ID that was pushed this way. False too while a command of that COB-ID
-  /// waits or is in the kernel.
-  bool push_latest(const Frame& frame, TimePoint now);
-  /// The same for a command that is repeated: like a command it goes only while the bus shows life, or repetitions
-  /// would gather in the kernel and leave when a cable is plugged in again.
-  bool push_repetition(const Frame& frame, TimePoint now);
-  /// Takes the place of a waiting latest frame or repetition of its COB-ID, which is older.
-  Ticket push_command(const Frame& frame, TimePoint deadline, Completion completion, TimePoint now);
-  /// Nobody waits any more: withdraws it where it still waits here. Its completion is not called.
-  void cancel(Ticket ticket);
-  /// Withdraws the commands and the latest frame or repetition of a COB-ID that still wait here.
-  void withdraw(std::uint32_t cob_id);
+  /// Queues a frame that is to be with the kernel before `until`. The ticket must go before the queue.
+  [[nodiscard]] Ticket push(TransmitClass transmit_class, const Frame& frame, TimePoint until, Told told,
+                            TimePoint now);
 
   void on_echo(const Frame& frame, TimePoint at);
   void on_received(TimePoint at) noexcept { last_sign_of_life_ = at; }
-  /// The bus came up or went down. What waits is dropped when it goes down, commands are answered.
+  /// Received frames were lost, and with them perhaps echoes.
+  void on_frames_lost();
+  /// The bus came up or went down. What waits is dropped and answered when it goes down.
   void on_bus(bool up);
 
   /// Drops and answers what is past its time, and hands over what may go.
   void service(TimePoint now);
   [[nodiscard]] std::optional<TimePoint> next_time() const noexcept;
   [[nodiscard]] bool idle() const noexcept { return waiting_.empty(); }
-  /// Commands or repetitions wait for a sign of life, and no frame of ours waits or is under way that could bring one.
-  [[nodiscard]] bool wants_sign_of_life(TimePoint now) const noexcept;
+  /// A heartbeat of ours would tell what is not known: whether the bus lives, where only commands and repetitions wait;
+  /// or whether one of them has gone whose echo is missing.
+  [[nodiscard]] bool wants_heartbeat(TimePoint now) const noexcept;
 
  private:
-  enum class Kind : std::uint8_t { ordinary, latest, repetition, command };
+  friend class Ticket;
   struct Waiting {
     Frame frame;
-    Kind kind;
+    TransmitClass transmit_class;
     TimePoint until;
-    Ticket ticket;
-    Completion completion;
+    std::uint64_t id;
+    Told told;
   };
   struct InKernel {
     Frame frame;
-    Kind kind;
+    TransmitClass transmit_class;
     TimePoint since;
-    TimePoint until;  ///< Commands: unknown then; others: no longer counted.
-    Ticket ticket;
-    Completion completion;
+    TimePoint look_at;  ///< What moves a motor: unknown then; others: whether they are still waited for.
+    std::uint64_t id;
+    Told told;
     bool passed = false;               ///< A frame handed over later has come back before it.
-    bool overdue = false;              ///< A command that the controller may still hold: none other is taken.
+    bool doubtful = false;             ///< Its echo may have been lost.
+    bool followed = false;             ///< A frame was handed over after it, whose echo will tell.
+    bool overdue = false;              ///< The controller may still hold it: nothing else that moves a motor is taken.
     bool gone = false;                 ///< Its echo came, or is not waited for any more.
     std::optional<TimePoint> lost_at;  ///< Overdue, and the bus moves again: its echo comes by then or never.
   };
 
-  bool replace_or_enqueue(const Frame& frame, Kind kind, TimePoint now);
-  bool enqueue(Waiting entry);
-  [[nodiscard]] bool holds_command(std::uint32_t cob_id) const noexcept;
+  void drop(std::uint64_t id);
+  void withdraw(std::uint64_t id);
+  void enqueue(Waiting entry);
   [[nodiscard]] bool refuses_commands() const noexcept;
   [[nodiscard]] bool alive(TimePoint now) const noexcept;
-  [[nodiscard]] bool may_go(const Waiting& entry, TimePoint now) const noexcept;
+  [[nodiscard]] bool may_go(TransmitClass transmit_class, TimePoint now) const noexcept;
   void hand_over(TimePoint now);
   void drop_late(TimePoint now);
   void give_up_late(TimePoint now);
-  static void give_up(InKernel& entry, TimePoint now);
+  void give_up_motion(InKernel& entry, TimePoint now) const;
+  void give_up_other(InKernel& entry, TimePoint now) const;
   void erase_gone();
   void fail_waiting_commands();
 
   Link& link_;
+  TransmitTimes times_;
   std::vector<Waiting> waiting_;     ///< The next one to go is the last.
   std::vector<InKernel> in_kernel_;  ///< In the order of hand-over.
-  Ticket last_ticket_ = 0;
+  std::uint64_t last_id_ = 0;
   std::optional<TimePoint> last_sign_of_life_;
   std::optional<TimePoint> retry_at_;
+  Duration retry_pause_ = kRetry;
   bool up_ = false;
 };
 

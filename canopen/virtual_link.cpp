@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <tuple>
+#include <utility>
+
+#include "canopen/bus_load.h"
 
 namespace canopen {
 
@@ -19,13 +23,24 @@ class VirtualLink final : public Link {
   SendResult send(const Frame& frame) override { return bus_.accept(*this, frame); }
 
   [[nodiscard]] LinkEvents* events() const noexcept { return events_; }
+  /// What waits for a bus with a bit rate.
+  [[nodiscard]] std::deque<Frame>& outbox() noexcept { return outbox_; }
 
  private:
   VirtualBus& bus_;
   LinkEvents* events_ = nullptr;
+  std::deque<Frame> outbox_;
 };
 
-VirtualBus::VirtualBus(boost::asio::any_io_executor executor) : executor_(std::move(executor)) {}
+VirtualBus::Wire::Wire(VirtualBus& bus, std::uint32_t bits_per_second)
+    : bitrate(bits_per_second), end_of_frame(bus.executor_, [&bus] { bus.end_frame(); }) {}
+
+VirtualBus::VirtualBus(boost::asio::any_io_executor executor, std::optional<std::uint32_t> bitrate)
+    : executor_(std::move(executor)) {
+  if (bitrate) {
+    wire_.emplace(*this, *bitrate);
+  }
+}
 
 VirtualBus::~VirtualBus() {
   *alive_ = false;
@@ -41,22 +56,38 @@ void VirtualBus::set_state(const BusState& state) {
   state_ = state;
   if (!state_.up()) {
     queue_.clear();
+    if (wire_) {
+      wire_->frame.reset();
+      wire_->end_of_frame.cancel();
+    }
   }
   for (VirtualLink* link : links_) {
-    if (link != nullptr) {
-      tell_state(*link);
+    if (link == nullptr) {
+      continue;
     }
+    if (!state_.up()) {
+      link->outbox().clear();
+    }
+    tell_state(*link);
   }
 }
 
-SendResult VirtualBus::accept(const VirtualLink& sender, const Frame& frame) {
+std::optional<TimePoint> VirtualBus::next_departure() const noexcept {
+  return wire_ && wire_->frame ? std::optional(wire_->departure) : std::nullopt;
+}
+
+SendResult VirtualBus::accept(VirtualLink& sender, const Frame& frame) {
   if (!state_.up()) {
     return SendResult::down;
   }
-  if (queue_.size() >= kCapacity) {
+  if ((wire_ ? sender.outbox().size() : queue_.size()) >= kCapacity) {
     return SendResult::busy;
   }
-  queue_.push_back({&sender, frame});
+  if (wire_) {
+    sender.outbox().push_back(frame);
+  } else {
+    queue_.push_back({&sender, frame});
+  }
   schedule();
   return SendResult::handed_over;
 }
@@ -67,7 +98,13 @@ void VirtualBus::schedule() {
   }
   scheduled_ = true;
   boost::asio::post(executor_, [this, alive = alive_] {
-    if (*alive) {
+    if (!*alive) {
+      return;
+    }
+    if (wire_) {
+      scheduled_ = false;
+      begin_frame();
+    } else {
       deliver();
     }
   });
@@ -83,6 +120,38 @@ void VirtualBus::deliver() {
   }
   if (!queue_.empty()) {
     schedule();
+  }
+}
+
+/// Arbitration: among the first frames of all links the lowest identifier goes, a data frame before a request for it.
+void VirtualBus::begin_frame() {
+  if (wire_->frame) {
+    return;
+  }
+  const auto priority = [](const Frame& frame) { return std::tuple(frame.id, frame.remote); };
+  VirtualLink* winner = nullptr;
+  for (VirtualLink* link : links_) {
+    if (link == nullptr || link->outbox().empty()) {
+      continue;
+    }
+    if (winner == nullptr || priority(link->outbox().front()) < priority(winner->outbox().front())) {
+      winner = link;
+    }
+  }
+  if (winner == nullptr) {
+    return;
+  }
+  wire_->frame = Pending{winner, winner->outbox().front()};
+  winner->outbox().pop_front();
+  const std::uint64_t bits = bits_on_wire(wire_->frame->frame);
+  wire_->departure = Clock::now() + std::chrono::nanoseconds(bits * std::nano::den / wire_->bitrate);
+  wire_->end_of_frame.arm(wire_->departure);
+}
+
+void VirtualBus::end_frame() {
+  if (const std::optional<Pending> passed = std::exchange(wire_->frame, std::nullopt)) {
+    deliver_one(*passed);
+    begin_frame();
   }
 }
 
@@ -132,6 +201,9 @@ void VirtualBus::remove(const VirtualLink& link) {
     if (pending.sender == &link) {
       pending.sender = nullptr;
     }
+  }
+  if (wire_ && wire_->frame && wire_->frame->sender == &link) {
+    wire_->frame->sender = nullptr;  // It passes all the same.
   }
 }
 

@@ -24,6 +24,7 @@ struct ReadJob {
   canopen::ObjectAddress object;
   canopen::DataType type = canopen::DataType::u16;
   std::uint32_t round = 0;
+  canopen::TimePoint due{};  ///< Of the round.
 };
 
 /// The way of values into the image: TPDO values and SDO answers to signals, booleans out of words, freshness per

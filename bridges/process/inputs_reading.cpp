@@ -47,9 +47,10 @@ std::optional<ReadJob> Inputs::next_read(TimePoint now) {
   if (first == feeds_.end() || first->round.due() > now) {
     return std::nullopt;
   }
+  const TimePoint due = first->round.due();
   first->round.note_begin(now);
   const SourcePlan::Object& object = first->round.object();
-  return ReadJob{static_cast<SourceId>(first - feeds_.begin()), object.address, object.type, first->round.id()};
+  return ReadJob{static_cast<SourceId>(first - feeds_.begin()), object.address, object.type, first->round.id(), due};
 }
 
 void Inputs::on_read(const ReadJob& job, const canopen::Result<canopen::Raw>& answer, TimePoint at,

@@ -90,7 +90,7 @@ boost::asio::awaitable<void> Reader::read_errors() {
 }
 
 boost::asio::awaitable<void> Reader::read(ReadJob job) {
-  const canopen::Result<canopen::Raw> answer = co_await node_.read(job.object, job.type);
+  const canopen::Result<canopen::Raw> answer = co_await node_.read(job.object, job.type, job.due);
   if (!stopping_) {
     inputs_.on_read(job, answer, canopen::Clock::now(), canopen::wall_now());
   }

@@ -9,32 +9,22 @@
 namespace canopen {
 namespace {
 
-constexpr std::uint32_t kRequestBase = 0x600;  // CiA 301 table 75, default SDO.
-constexpr std::uint32_t kAnswerBase = 0x580;
+constexpr std::uint32_t kAnswerBase = 0x580;  // CiA 301 table 75, default SDO.
 constexpr std::uint32_t kAbortTimedOut = 0x05040000;
 constexpr ObjectAddress kDeviceType{0x1000, 0};  // Every node has it; where not, the abort is an answer, too.
 
 }  // namespace
 
-/// The transfer that has the channel, where the frame handler finds it.
-struct SdoClient::Exchange {
-  Exchange(SdoClient& owner, SdoTransfer what, TimePoint until, TimePoint last_moment)
-      : client(owner), transfer(std::move(what)), due(until), deadline(last_moment), ended(owner.executor_) {
-    client.exchange_ = this;
-  }
-  ~Exchange() { client.exchange_ = nullptr; }
-  Exchange(const Exchange&) = delete;
-  Exchange& operator=(const Exchange&) = delete;
+/// The exchange that has the channel, where the frame handler finds it.
+class SdoClient::OnChannel {
+ public:
+  OnChannel(SdoClient& client, SdoExchange& exchange) : client_(client) { client_.exchange_ = &exchange; }
+  ~OnChannel() { client_.exchange_ = nullptr; }
+  OnChannel(const OnChannel&) = delete;
+  OnChannel& operator=(const OnChannel&) = delete;
 
-  SdoClient& client;
-  SdoTransfer transfer;
-  TimePoint begun = Clock::now();
-  TimePoint due;       ///< The next answer must be here by then.
-  TimePoint deadline;  ///< `due` never passes it.
-  Event ended;
-  bool late_possible = false;
-  bool over = false;
-  std::optional<Error> error;
+ private:
+  SdoClient& client_;
 };
 
 SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8_t node, SdoSettings settings)
@@ -42,19 +32,20 @@ SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8
       bus_(bus),
       node_(node),
       settings_(settings),
-      line_(executor_),
+      line_(executor_, bus.sdo_budget()),
       subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
 
 // Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
 
 boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::upload(ObjectAddress object, std::size_t expected) {
   SdoTransfer transfer = SdoTransfer::upload(settings_, object, expected);
-  co_return co_await run(std::move(transfer), 1 + settings_.retries);
+  co_return co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
 }
 
-boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries) {
+boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries,
+                                                    TimePoint due) {
   SdoTransfer transfer = SdoTransfer::upload(settings_, object, byte_length(type));
-  const Result<Bytes> bytes = co_await run(std::move(transfer), tries);
+  const Result<Bytes> bytes = co_await run(std::move(transfer), tries, due);
   if (bytes.has_error()) {
     co_return bytes.error();
   }
@@ -68,7 +59,7 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
 
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
   SdoTransfer transfer = download(object, type, raw);
-  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries);
+  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
   co_return done.has_error() ? Result<void>(done.error()) : Result<void>();
 }
 
@@ -78,8 +69,8 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
   co_return co_await run_command(std::move(transfer), deadline, std::move(still_stands));
 }
 
-boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries) {
-  SdoLine::Place place(line_, SdoLine::Kind::transfer);
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries, TimePoint due) {
+  SdoLine::Place place(line_, SdoLine::Kind::transfer, due);
   SdoLine::Verdict verdict = co_await place.wait_until(TimePoint::max());
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, transfer.object());
@@ -94,6 +85,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
     if (tries <= 1 || result.has_value() || result.error().kind != ErrorKind::timeout) {
       co_return result;
     }
+    bus_.sdo_budget().charge();
     // All tries together may take longer than a command has, and that command may be a stop.
     if (place.give_way()) {
       static_cast<void>(co_await place.wait_until(TimePoint::max()));
@@ -102,24 +94,20 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   co_return not_granted(place.verdict(), transfer.object());
 }
 
-boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer transfer, TimePoint due) {
-  const ObjectAddress object = transfer.object();
-  Exchange exchange(*this, std::move(transfer), std::min(due, Clock::now() + settings_.timeout), due);
-  exchange.late_possible = late_.expected(object);
-  if (!send(exchange.transfer.request())) {
-    co_return error(ErrorKind::offline, object, "the bus is down");
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer transfer, TimePoint deadline) {
+  const bool late_possible = late_.expected(transfer.object());
+  SdoExchange exchange(channel(), std::move(transfer), TransmitClass::sdo, deadline, late_possible);
+  co_await run(exchange);
+  if (exchange.error()) {
+    co_return *exchange.error();
   }
-  co_await await_end(exchange);
-  if (exchange.error) {
-    co_return *exchange.error;
-  }
-  co_return exchange.transfer.data();
+  co_return exchange.transfer().data();
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline,
                                                             StillStands still_stands) {
   const ObjectAddress object = transfer.object();
-  SdoLine::Place place(line_, SdoLine::Kind::command);
+  SdoLine::Place place(line_, SdoLine::Kind::command, Clock::now());
   const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, object);
@@ -137,28 +125,25 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
   if (still_stands && !still_stands()) {
     co_return error(ErrorKind::incomplete, object, "not begun: what it was made from has changed");
   }
-  Exchange exchange(*this, std::move(transfer), deadline, deadline);
-  exchange.late_possible = late_.expected(object);
-  const Frame frame = make_frame(kRequestBase + node_, exchange.transfer.request());
-  const Result<void> left = co_await bus_.send_command(frame, deadline);
-  if (left.has_error() && !left.error().outcome_unknown) {
-    if (place.verdict() != SdoLine::Verdict::mine) {
-      co_return not_granted(place.verdict(), object);
-    }
-    Error not_begun = left.error();
-    not_begun.node = node_;
-    not_begun.object = object;
-    co_return not_begun;
+  co_return co_await exchange_command(std::move(transfer), deadline, conclusive, place);
+}
+
+boost::asio::awaitable<Result<void>> SdoClient::exchange_command(SdoTransfer transfer, TimePoint deadline,
+                                                                 bool conclusive, const SdoLine::Place& place) {
+  const ObjectAddress object = transfer.object();
+  const bool late_possible = late_.expected(object);
+  SdoExchange exchange(channel(), std::move(transfer), TransmitClass::command, deadline, late_possible);
+  co_await run(exchange);
+  const std::optional<Error>& error_met = exchange.error();
+  if (exchange.not_begun()) {
+    co_return place.verdict() == SdoLine::Verdict::mine ? *error_met : not_granted(place.verdict(), object);
   }
-  // Without its echo the request may have left all the same: an answer would prove it.
-  exchange.due = std::min(deadline, Clock::now() + settings_.timeout);
-  co_await await_end(exchange);
-  if (!conclusive && (!exchange.error || exchange.error->kind == ErrorKind::refused)) {
+  if (!conclusive && (!error_met || error_met->kind == ErrorKind::refused)) {
     // That was perhaps the answer to the earlier one, so ours is still to come.
     late_.note_unanswered(object, settings_.timeout);
   }
-  if (exchange.error && (conclusive || exchange.error->kind != ErrorKind::refused)) {
-    Error failure = *exchange.error;
+  if (error_met && (conclusive || error_met->kind != ErrorKind::refused)) {
+    Error failure = *error_met;
     failure.outcome_unknown = failure.kind != ErrorKind::refused;
     co_return failure;
   }
@@ -178,6 +163,7 @@ boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object
   if (late_.expected(other)) {
     co_return false;
   }
+  bus_.sdo_budget().charge();
   SdoTransfer transfer = SdoTransfer::upload(settings_, other, 0);
   const Result<Bytes> answer = co_await try_once(std::move(transfer), due);
   if (answer.has_value() || answer.error().kind == ErrorKind::refused || answer.error().kind == ErrorKind::protocol) {
@@ -191,61 +177,44 @@ boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object
   co_return failure;
 }
 
-boost::asio::awaitable<void> SdoClient::await_end(Exchange& exchange) {
-  while (!exchange.over && bus_.may_still_hear(exchange.due)) {
-    co_await exchange.ended.wait_until(or_soon(exchange.due));
-  }
-  if (exchange.over) {
-    co_return;
-  }
-  exchange.over = true;
-  answered_ = false;
-  late_.note_unanswered(exchange.transfer.object(), settings_.timeout);
-  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(settings_.timeout);
-  exchange.error =
-      error(ErrorKind::timeout, exchange.transfer.object(), "no answer in " + std::to_string(waited.count()) + " ms");
-  if (exchange.transfer.in_segments()) {
-    send(abort_request(exchange.transfer.object(), kAbortTimedOut));
+boost::asio::awaitable<void> SdoClient::run(SdoExchange& exchange) {
+  const OnChannel on_channel(*this, exchange);
+  co_await exchange.run();
+  if (exchange.silent()) {
+    const ObjectAddress object = exchange.transfer().object();
+    answered_ = false;
+    late_.note_unanswered(object, settings_.timeout);
+    if (exchange.transfer().in_segments()) {
+      send_abort(abort_request(object, kAbortTimedOut));
+    }
   }
 }
 
 void SdoClient::on_frame(const Received& received) {
-  if (exchange_ == nullptr || exchange_->over || received.frame.remote) {
+  if (exchange_ == nullptr || exchange_->over()) {
     return;
   }
-  Exchange& exchange = *exchange_;
-  const SdoTransfer::Step step = exchange.transfer.on_answer(received.frame.bytes(), exchange.late_possible);
-  if (step == SdoTransfer::Step::ignored) {
-    return;
-  }
-  answered_ = true;
-  if (step != SdoTransfer::Step::more) {
-    finish(exchange, step);
-    return;
-  }
-  exchange.due = std::min(exchange.deadline, Clock::now() + settings_.timeout);
-  if (!send(exchange.transfer.request())) {
-    exchange.over = true;
-    exchange.error = error(ErrorKind::offline, exchange.transfer.object(), "the bus is down");
-    exchange.ended.notify();
+  switch (exchange_->on_answer(received.frame.bytes())) {
+    case SdoTransfer::Step::ignored:
+      return;
+    case SdoTransfer::Step::more:
+      answered_ = true;
+      return;
+    case SdoTransfer::Step::completed:
+    case SdoTransfer::Step::failed:
+      answered_ = true;
+      on_end(exchange_->transfer());
+      return;
   }
 }
 
-void SdoClient::finish(Exchange& exchange, SdoTransfer::Step step) {
-  const SdoTransfer& transfer = exchange.transfer;
-  exchange.over = true;
-  if (step == SdoTransfer::Step::failed) {
-    exchange.error = transfer.error();
-    exchange.error->node = node_;
-    exchange.error->object = transfer.object();
-    if (transfer.abort()) {
-      send(*transfer.abort());
-    }
-  }
+void SdoClient::on_end(const SdoTransfer& transfer) {
   late_.note_answered(transfer.object(), transfer.completed_upload());
-  exchange.ended.notify();
-  if (exchange.error && exchange.error->kind == ErrorKind::refused && abort_handler_) {
-    abort_handler_(exchange.error->abort);
+  if (transfer.abort()) {
+    send_abort(*transfer.abort());
+  }
+  if (transfer.error().kind == ErrorKind::refused && abort_handler_) {
+    abort_handler_(transfer.error().abort);
   }
   if (!transfer.remark().empty() && remark_handler_) {
     remark_handler_(to_string(transfer.object()) + ": " + transfer.remark());
@@ -254,17 +223,17 @@ void SdoClient::finish(Exchange& exchange, SdoTransfer::Step step) {
 
 void SdoClient::withdraw_commands() {
   line_.withdraw_commands();
-  bus_.withdraw(kRequestBase + node_);
+  if (exchange_ != nullptr && exchange_->is_command()) {
+    exchange_->withdraw();
+  }
 }
 
 void SdoClient::interrupt() {
   line_.interrupt();
   answered_ = false;
-  bus_.withdraw(kRequestBase + node_);
-  if (exchange_ != nullptr && !exchange_->over) {
-    exchange_->over = true;
-    exchange_->error = interruption(exchange_->transfer.object());
-    exchange_->ended.notify();
+  abort_.reset();
+  if (exchange_ != nullptr && !exchange_->over()) {
+    exchange_->interrupt(interruption(exchange_->transfer().object()));
   }
 }
 
@@ -274,8 +243,12 @@ SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) co
   return SdoTransfer::download(settings_, object, std::span<const std::uint8_t>(data).first(length));
 }
 
-bool SdoClient::send(const SdoFrame& request) {
-  return bus_.send(make_frame(kRequestBase + node_, request));
+void SdoClient::send_abort(const SdoFrame& abort) {
+  abort_ = bus_.send(TransmitClass::sdo, sdo_request_frame(node_, abort), Clock::now() + TransmitQueue::kLifeTime);
+}
+
+SdoExchange::Channel SdoClient::channel() const noexcept {
+  return {executor_, bus_, node_, settings_};
 }
 
 Error SdoClient::error(ErrorKind kind, ObjectAddress object, std::string detail) const {

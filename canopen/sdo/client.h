@@ -15,11 +15,13 @@
 #include "canopen/link.h"
 #include "canopen/node_settings.h"
 #include "canopen/object.h"
+#include "canopen/sdo/exchange.h"
 #include "canopen/sdo/late_answers.h"
 #include "canopen/sdo/line.h"
 #include "canopen/sdo/transfer.h"
 #include "canopen/still_stands.h"
 #include "canopen/subscription.h"
+#include "canopen/ticket.h"
 
 namespace canopen {
 
@@ -33,6 +35,11 @@ class Bus;
 /// object went unanswered, its answer could pass for that of a new request; then another object is read first, whose
 /// answer proves that the older requests are over (a server answers in order). Where that proof does not come, a
 /// command is sent all the same, for it may be a stop, and its outcome is unknown whatever the drive answers.
+///
+/// Everything but commands waits for the budget of the bus (SdoBudget).
+///
+/// The time of an answer counts from the departure of the request, so that a busy bus is no silent node. A request
+/// belongs to its transfer: where that ends first it is withdrawn, and no try leaves after the next one.
 class SdoClient {
  public:
   using AbortHandler = std::function<void(std::uint32_t code)>;
@@ -52,11 +59,14 @@ class SdoClient {
   /// Upload, tried again after a timeout. `expected`: bytes of the object's type, 0 where not known.
   boost::asio::awaitable<Result<std::vector<std::uint8_t>>> upload(ObjectAddress object, std::size_t expected = 0);
   /// Upload of a basic type. More bytes than it has: the lower ones count; fewer: `protocol`.
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type) {
-    return read(object, type, 1 + settings_.retries);
+  /// `due`: when it was to be done; of all reads that wait for the budget of the bus the earliest is next.
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now()) {
+    return read(object, type, 1 + settings_.retries, due);
   }
   /// The same, tried once: for finding out whether anybody is there.
-  boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) { return read(object, type, 1); }
+  boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) {
+    return read(object, type, 1, Clock::now());
+  }
   /// Download of a setting, tried again after a timeout. Never for what could move a motor.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
   /// Download of a command: sent once. Not begun by `deadline`: `timeout`, and it can never take effect. Begun and not
@@ -81,22 +91,25 @@ class SdoClient {
   boost::asio::awaitable<void> until_idle() { return line_.until_empty(); }
 
  private:
-  struct Exchange;
+  class OnChannel;
   using Bytes = std::vector<std::uint8_t>;
 
-  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries);
-  boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries);
+  boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
+  boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries, TimePoint due);
   boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline, StillStands still_stands);
-  boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint due);
+  boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint deadline);
+  boost::asio::awaitable<Result<void>> exchange_command(SdoTransfer transfer, TimePoint deadline, bool conclusive,
+                                                        const SdoLine::Place& place);
   /// Whether no late answer for `object` can come any more. False where nothing is left to be read to find out;
   /// `timeout` where the drive is silent until `due`.
   boost::asio::awaitable<Result<bool>> settle_late(ObjectAddress object, TimePoint due);
-  boost::asio::awaitable<void> await_end(Exchange& exchange);
+  boost::asio::awaitable<void> run(SdoExchange& exchange);
 
   void on_frame(const Received& received);
-  void finish(Exchange& exchange, SdoTransfer::Step step);
+  void on_end(const SdoTransfer& transfer);
+  [[nodiscard]] SdoExchange::Channel channel() const noexcept;
   [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
-  bool send(const SdoFrame& request);
+  void send_abort(const SdoFrame& abort);
   [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
   [[nodiscard]] Error interruption(ObjectAddress object) const;
   [[nodiscard]] Error not_granted(SdoLine::Verdict verdict, ObjectAddress object) const;
@@ -109,7 +122,8 @@ class SdoClient {
   RemarkHandler remark_handler_;
 
   SdoLine line_;
-  Exchange* exchange_ = nullptr;
+  SdoExchange* exchange_ = nullptr;
+  Ticket abort_;  ///< The newest abort of ours.
   LateAnswers late_;
   bool answered_ = false;
 

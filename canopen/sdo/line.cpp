@@ -5,15 +5,23 @@
 
 namespace canopen {
 
-SdoLine::SdoLine(boost::asio::any_io_executor executor) : moved_(std::move(executor)) {}
+SdoLine::SdoLine(boost::asio::any_io_executor executor, SdoBudget& budget)
+    : budget_(budget), moved_(std::move(executor)) {}
 
 void SdoLine::interrupt() {
   ++interruptions_;
+  for (Place* place : places_) {
+    place->verdict_ = Verdict::interrupted;
+  }
   moved_.notify();
 }
 
 void SdoLine::withdraw_commands() {
-  ++withdrawals_;
+  for (Place* place : places_) {
+    if (place->kind_ == Kind::command && place->verdict_ == Verdict::mine) {
+      place->verdict_ = Verdict::withdrawn;
+    }
+  }
   moved_.notify();
 }
 
@@ -23,54 +31,58 @@ boost::asio::awaitable<void> SdoLine::until_empty() {
   }
 }
 
-/// A command behind the other commands, everything else at the end. The first place is taken: a transfer under way is
-/// not broken off.
+/// A command behind the other commands, everything else at the end.
 void SdoLine::insert(Place* place) {
-  if (place->kind_ == Kind::transfer || places_.empty()) {
+  if (place->kind_ == Kind::transfer) {
     places_.push_back(place);
     return;
   }
-  const auto first_transfer = std::find_if(places_.begin() + 1, places_.end(),
-                                           [](const Place* other) { return other->kind_ == Kind::transfer; });
+  const auto first_transfer =
+      std::find_if(places_.begin(), places_.end(), [](const Place* other) { return other->kind_ == Kind::transfer; });
   places_.insert(first_transfer, place);
 }
 
-SdoLine::Place::Place(SdoLine& line, Kind kind)
-    : line_(line), kind_(kind), interruptions_(line.interruptions_), withdrawals_(line.withdrawals_) {
+bool SdoLine::is_next(const Place* place) const noexcept {
+  const auto next = std::find_if(places_.begin(), places_.end(), [](const Place* other) { return other->may_go(); });
+  return holder_ == nullptr && next != places_.end() && *next == place;
+}
+
+SdoLine::Place::Place(SdoLine& line, Kind kind, TimePoint due) : line_(line), kind_(kind) {
+  if (kind == Kind::transfer) {
+    claim_.emplace(line.budget_, due, [&line] { line.moved_.notify(); });
+  }
   line_.insert(this);
 }
 
 SdoLine::Place::~Place() {
   std::erase(line_.places_, this);
+  if (line_.holder_ == this) {
+    line_.holder_ = nullptr;
+  }
   line_.moved_.notify();
 }
 
 boost::asio::awaitable<SdoLine::Verdict> SdoLine::Place::wait_until(TimePoint deadline) {
-  while (line_.places_.front() != this && verdict() == Verdict::mine && Clock::now() < deadline) {
+  while (!line_.is_next(this) && verdict_ == Verdict::mine && Clock::now() < deadline) {
     co_await line_.moved_.wait_until(deadline);
   }
-  if (verdict() != Verdict::mine) {
-    co_return verdict();
+  if (verdict_ != Verdict::mine) {
+    co_return verdict_;
   }
-  co_return line_.places_.front() == this ? Verdict::mine : Verdict::late;
+  if (!line_.is_next(this)) {
+    co_return Verdict::late;
+  }
+  line_.holder_ = this;
+  co_return Verdict::mine;
 }
 
 bool SdoLine::Place::give_way() {
-  const auto behind = std::find_if(line_.places_.begin() + 1, line_.places_.end(),
-                                   [](const Place* other) { return other->kind_ == Kind::transfer; });
-  if (behind == line_.places_.begin() + 1) {
+  if (line_.places_.front()->kind_ != Kind::command) {
     return false;
   }
-  std::rotate(line_.places_.begin(), line_.places_.begin() + 1, behind);
+  line_.holder_ = nullptr;
   line_.moved_.notify();
   return true;
-}
-
-SdoLine::Verdict SdoLine::Place::verdict() const noexcept {
-  if (interruptions_ != line_.interruptions_) {
-    return Verdict::interrupted;
-  }
-  return kind_ == Kind::command && withdrawals_ != line_.withdrawals_ ? Verdict::withdrawn : Verdict::mine;
 }
 
 }  // namespace canopen

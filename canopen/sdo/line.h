@@ -5,13 +5,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "canopen/clock.h"
 #include "canopen/event.h"
+#include "canopen/sdo/budget.h"
 
 namespace canopen {
 
-/// The line of those who want an SDO channel. The first one has it; commands go before everything else that waits.
+/// The line of those who want an SDO channel, where one has it at a time. Commands go before everything else that
+/// waits; the others have their turn only once the budget of the bus lets them, so no command waits for that.
 class SdoLine {
  public:
   enum class Kind : std::uint8_t { transfer, command };
@@ -23,7 +26,8 @@ class SdoLine {
   };
   class Place;
 
-  explicit SdoLine(boost::asio::any_io_executor executor);
+  /// `budget` outlives the line.
+  SdoLine(boost::asio::any_io_executor executor, SdoBudget& budget);
   ~SdoLine() = default;
   SdoLine(const SdoLine&) = delete;
   SdoLine& operator=(const SdoLine&) = delete;
@@ -39,17 +43,20 @@ class SdoLine {
 
  private:
   void insert(Place* place);
+  [[nodiscard]] bool is_next(const Place* place) const noexcept;
 
+  SdoBudget& budget_;
   std::deque<Place*> places_;
-  Event moved_;  ///< Somebody left, gave way, or was called off.
+  Place* holder_ = nullptr;  ///< Has the channel.
+  Event moved_;              ///< Somebody left, gave way, may go, or was called off.
   std::uint64_t interruptions_ = 0;
-  std::uint64_t withdrawals_ = 0;
 };
 
 /// A place in the line, as long as it lives.
 class SdoLine::Place {
  public:
-  Place(SdoLine& line, Kind kind);
+  /// `due`: the order in which the budget serves transfers.
+  Place(SdoLine& line, Kind kind, TimePoint due);
   ~Place();
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
@@ -58,14 +65,16 @@ class SdoLine::Place {
   /// Lets the commands that wait go first, before the others; true where there were any: then it is to wait again.
   bool give_way();
   /// `mine` where it was not called off.
-  [[nodiscard]] Verdict verdict() const noexcept;
+  [[nodiscard]] Verdict verdict() const noexcept { return verdict_; }
 
  private:
   friend class SdoLine;
+  [[nodiscard]] bool may_go() const noexcept { return !claim_ || claim_->granted(); }
+
   SdoLine& line_;
   Kind kind_;
-  std::uint64_t interruptions_;
-  std::uint64_t withdrawals_;
+  Verdict verdict_ = Verdict::mine;
+  std::optional<SdoBudget::Claim> claim_;  ///< Of a transfer.
 };
 
 }  // namespace canopen

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "canopen/bus.h"
+#include "canopen/transmission.h"
 #include "canopen/virtual_link.h"
 #include "tests/support/frame.h"
 #include "tests/support/hand_driven_loop.h"
@@ -47,6 +48,14 @@ class HandLink final : public canopen::Link {
  private:
   canopen::LinkEvents*& events_;
 };
+
+/// Sends a command and waits for its departure.
+inline boost::asio::awaitable<canopen::Result<void>> send_command(canopen::Bus& bus, canopen::Frame frame,
+                                                                  canopen::TimePoint deadline) {
+  canopen::Transmission transmission(bus, canopen::TransmitClass::command, frame, deadline);
+  canopen::Result<void> left = co_await transmission.result();
+  co_return left;
+}
 
 inline constexpr canopen::BusSettings kQuiet{.bitrate = 125000, .node_id = 0, .heartbeat = {}};
 

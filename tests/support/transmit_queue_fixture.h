@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -30,25 +31,32 @@ class TransmitQueueFixture : public ::testing::Test {
  protected:
   TransmitQueueFixture() { queue.on_bus(true); }
 
-  /// A command and what became of it.
-  struct Command {
+  /// A frame and what became of it. Not to be moved while it is on its way.
+  struct Sent {
     std::optional<canopen::Departure> departure;
-    canopen::TransmitQueue::Ticket ticket = 0;
+    canopen::Ticket ticket;
   };
-  void push_command(Command& command, const canopen::Frame& content,
-                    canopen::Duration deadline = std::chrono::milliseconds(800)) {
-    command.ticket = queue.push_command(
-        content, now + deadline,
-        [&command](canopen::Departure departure) {
-          EXPECT_FALSE(command.departure) << "answered twice";
-          command.departure = departure;
+  void push(Sent& sent, canopen::TransmitClass transmit_class, const canopen::Frame& content,
+            canopen::Duration deadline = canopen::TransmitQueue::kLifeTime) {
+    sent.departure.reset();
+    sent.ticket = queue.push(
+        transmit_class, content, now + deadline,
+        [&sent](canopen::Departure departure) {
+          EXPECT_FALSE(sent.departure) << "told twice";
+          sent.departure = departure;
         },
         now);
     queue.service(now);
   }
-  void push(const canopen::Frame& content) {
-    EXPECT_TRUE(queue.push(content, now));
-    queue.service(now);
+  void push_command(Sent& sent, const canopen::Frame& content,
+                    canopen::Duration deadline = std::chrono::milliseconds(800)) {
+    push(sent, canopen::TransmitClass::command, content, deadline);
+  }
+  /// One that nobody asks for again.
+  Sent& push(canopen::TransmitClass transmit_class, const canopen::Frame& content) {
+    Sent& sent = *kept_.emplace_back(std::make_unique<Sent>());
+    push(sent, transmit_class, content);
+    return sent;
   }
   void echo(const canopen::Frame& content) {
     queue.on_echo(content, now);
@@ -83,6 +91,9 @@ class TransmitQueueFixture : public ::testing::Test {
   FakeLink link;
   canopen::TransmitQueue queue{link};
   canopen::TimePoint now{std::chrono::hours(1)};
+
+ private:
+  std::vector<std::unique_ptr<Sent>> kept_;
 };
 
 }  // namespace support

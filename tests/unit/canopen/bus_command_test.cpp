@@ -20,7 +20,8 @@ class BusCommandTest : public support::BusFixture {};
 TEST_F(BusCommandTest, ACommandIsConfirmedByItsEcho) {
   const auto bus = start({.node_id = 127, .heartbeat = 500ms});
   loop.advance(10ms);
-  const auto result = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.settle();
   ASSERT_TRUE(result.done());
   EXPECT_TRUE(result.get().has_value());
@@ -31,7 +32,8 @@ TEST_F(BusCommandTest, OnASilentBusOurHeartbeatGoesBeforeTheCommand) {
   const auto bus = start({.node_id = 127, .heartbeat = 60s});
   loop.advance(30s);
   other.heard.clear();
-  const auto result = support::spawn(loop.executor(), bus->send_command(frame(0x000, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x000, 1), Clock::now() + 800ms));
   loop.settle();
   ASSERT_TRUE(result.done());
   EXPECT_TRUE(result.get().has_value());
@@ -42,7 +44,8 @@ TEST_F(BusCommandTest, OnASilentBusOurHeartbeatGoesBeforeTheCommand) {
 
 TEST_F(BusCommandTest, WithoutHeartbeatACommandOnASilentBusIsWithdrawn) {
   const auto bus = start(kQuiet);
-  const auto result = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.advance(2s);
   ASSERT_TRUE(result.done());
   EXPECT_EQ(result.get().error().kind, ErrorKind::timeout);
@@ -54,7 +57,8 @@ TEST_F(BusCommandTest, WithoutHeartbeatACommandOnASilentBusIsWithdrawn) {
 
 TEST_F(BusCommandTest, AReceivedFrameIsASignOfLife) {
   const auto bus = start(kQuiet);
-  const auto result = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.advance(100ms);
   EXPECT_FALSE(result.done());
   EXPECT_EQ(other.link->send(frame(0x705)), SendResult::handed_over);
@@ -67,20 +71,22 @@ TEST_F(BusCommandTest, WithoutEchoTheOutcomeIsUnknown) {
   const auto bus = start({.node_id = 127, .heartbeat = 500ms});
   loop.advance(10ms);
   wire.withhold_echoes(true);
-  const auto result = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.advance(100ms);
   ASSERT_TRUE(result.done());
   EXPECT_EQ(result.get().error().kind, ErrorKind::timeout);
   EXPECT_TRUE(result.get().error().outcome_unknown);
 
-  const auto refused = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto refused =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.settle();
   ASSERT_TRUE(refused.done());
   EXPECT_EQ(refused.get().error().kind, ErrorKind::offline);
 
   wire.withhold_echoes(false);
   loop.advance(1s);  // Our heartbeat comes back.
-  const auto next = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto next = support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.settle();
   ASSERT_TRUE(next.done());
   EXPECT_TRUE(next.get().has_value());
@@ -91,19 +97,20 @@ TEST_F(BusCommandTest, ABusThatGoesOffAnswersAtOnce) {
   std::vector<BusCondition> told;
   const Subscription subscription =
       bus->subscribe_state([&](const BusState& state) { told.push_back(state.condition); });
-  const auto result = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   wire.set_state({BusCondition::bus_off, 255, 0});
   loop.settle();
   ASSERT_TRUE(result.done());
   EXPECT_EQ(result.get().error().kind, ErrorKind::offline);
-  EXPECT_FALSE(bus->send(frame(0x605)));
-  EXPECT_FALSE(bus->repeat(frame(0x205)));
+  EXPECT_FALSE(bus->send(TransmitClass::sdo, frame(0x605), Clock::now() + 1s));
+  EXPECT_FALSE(bus->send(TransmitClass::repetition, frame(0x205), Clock::now() + 1s));
 
   wire.set_state({BusCondition::bus_off, 0, 0});  // The same bus-off, other counters.
   wire.set_state({BusCondition::error_active, 0, 0});
   wire.set_state({BusCondition::error_active, 0, 0});
   loop.settle();
-  EXPECT_TRUE(bus->send(frame(0x605)));
+  EXPECT_TRUE(bus->send(TransmitClass::sdo, frame(0x605), Clock::now() + 1s));
   EXPECT_EQ(bus->statistics().bus_offs, 1U);
   EXPECT_EQ(told.front(), BusCondition::bus_off);
   EXPECT_EQ(told.back(), BusCondition::error_active);
@@ -113,8 +120,10 @@ TEST_F(BusCommandTest, StoppingAnswersWhatWaitsAndSendsNothingMore) {
   const auto bus = start({.node_id = 127, .heartbeat = 500ms, .sync = 10ms});
   loop.advance(10ms);
   wire.withhold_echoes(true);
-  const auto in_kernel = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
-  const auto waiting = support::spawn(loop.executor(), bus->send_command(frame(0x206, 1), Clock::now() + 800ms));
+  const auto in_kernel =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
+  const auto waiting =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x206, 1), Clock::now() + 800ms));
   loop.settle();
   const auto stopped = support::spawn(loop.executor(), bus->stop());
   loop.settle();
@@ -126,8 +135,9 @@ TEST_F(BusCommandTest, StoppingAnswersWhatWaitsAndSendsNothingMore) {
   other.heard.clear();
   loop.advance(5s);
   EXPECT_TRUE(other.heard.empty());
-  EXPECT_FALSE(bus->send(frame(0x605)));
-  const auto after = support::spawn(loop.executor(), bus->send_command(frame(0x205, 1), Clock::now() + 800ms));
+  EXPECT_FALSE(bus->send(TransmitClass::sdo, frame(0x605), Clock::now() + 1s));
+  const auto after =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.settle();
   ASSERT_TRUE(after.done());
   EXPECT_EQ(after.get().error().kind, ErrorKind::offline);
@@ -139,7 +149,8 @@ TEST_F(BusCommandTest, ALinkThatStaysBusyIsNotAskedForEver) {
   Bus bus(loop.executor(), std::make_unique<HandLink>(events), {.node_id = 127, .heartbeat = 500ms});
   bus.start();
   events->on_bus_state({BusCondition::error_active, 0, 0});
-  const auto result = support::spawn(loop.executor(), bus.send_command(frame(0x205, 1), Clock::now() + 800ms));
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(bus, frame(0x205, 1), Clock::now() + 800ms));
   loop.advance(800ms);
   ASSERT_TRUE(result.done());
   EXPECT_EQ(result.get().error().kind, ErrorKind::timeout);

@@ -15,7 +15,7 @@ class DepartureTest : public support::TransmitQueueFixture {};
 
 TEST_F(DepartureTest, ACommandLeavesWithItsEcho) {
   see_life();
-  Command command;
+  Sent command;
   push_command(command, frame(0x205));
   EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x205}));
   EXPECT_EQ(command.departure, std::nullopt);
@@ -26,23 +26,23 @@ TEST_F(DepartureTest, ACommandLeavesWithItsEcho) {
 
 TEST_F(DepartureTest, OnlyOneCommandIsInTheKernel) {
   see_life();
-  Command first;
-  Command second;
+  Sent first;
+  Sent second;
   push_command(first, frame(0x205));
   push_command(second, frame(0x201));
-  push(frame(0x601));
+  push(TransmitClass::sdo, frame(0x601));
   EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x205, 0x601})) << "others go on beside it";
   echo(frame(0x205));
   EXPECT_EQ(sent_ids().back(), 0x201U);
 }
 
 TEST_F(DepartureTest, OnASilentBusACommandWaitsForASignOfLife) {
-  Command command;
+  Sent command;
   push_command(command, frame(0x000));
   EXPECT_TRUE(link.sent.empty());
-  EXPECT_TRUE(queue.wants_sign_of_life(now));
-  push(frame(0x77F));
-  EXPECT_FALSE(queue.wants_sign_of_life(now)) << "our own frame may bring it";
+  EXPECT_TRUE(queue.wants_heartbeat(now));
+  push(TransmitClass::control, frame(0x77F));
+  EXPECT_FALSE(queue.wants_heartbeat(now)) << "our own frame may bring it";
   now += 1ms;
   echo(frame(0x77F));
   EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x77F, 0x000}));
@@ -51,18 +51,18 @@ TEST_F(DepartureTest, OnASilentBusACommandWaitsForASignOfLife) {
 TEST_F(DepartureTest, ASignOfLifeIsGoodForASecond) {
   see_life();
   advance(1s);
-  Command in_time;
+  Sent in_time;
   push_command(in_time, frame(0x205));
   EXPECT_EQ(link.sent.size(), 1U);
   echo(frame(0x205));
   advance(1001ms);
-  Command late;
+  Sent late;
   push_command(late, frame(0x205));
   EXPECT_EQ(link.sent.size(), 1U);
 }
 
 TEST_F(DepartureTest, AnExpiredCommandNeverLeaves) {
-  Command command;
+  Sent command;
   push_command(command, frame(0x205), 800ms);
   advance(799ms);
   EXPECT_EQ(command.departure, std::nullopt);
@@ -76,7 +76,7 @@ TEST_F(DepartureTest, AnExpiredCommandNeverLeaves) {
 
 TEST_F(DepartureTest, ACommandBornTooLateIsWithdrawn) {
   see_life();
-  Command command;
+  Sent command;
   push_command(command, frame(0x205), 0ms);
   EXPECT_EQ(command.departure, Departure::withdrawn);
   EXPECT_TRUE(link.sent.empty());
@@ -84,8 +84,8 @@ TEST_F(DepartureTest, ACommandBornTooLateIsWithdrawn) {
 
 TEST_F(DepartureTest, WithoutEchoTheOutcomeIsUnknownAndNoCommandIsTaken) {
   see_life();
-  Command lost;
-  Command waiting;
+  Sent lost;
+  Sent waiting;
   push_command(lost, frame(0x205));
   push_command(waiting, frame(0x206));
   advance(99ms);
@@ -95,26 +95,26 @@ TEST_F(DepartureTest, WithoutEchoTheOutcomeIsUnknownAndNoCommandIsTaken) {
   EXPECT_EQ(waiting.departure, Departure::offline);
 
   see_life();  // Receiving does not prove that we can send.
-  Command refused;
+  Sent refused;
   push_command(refused, frame(0x206));
   EXPECT_EQ(refused.departure, Departure::offline);
 
-  push(frame(0x77F));
+  push(TransmitClass::control, frame(0x77F));
   now += 1ms;
   echo(frame(0x77F));
-  Command taken;
+  Sent taken;
   push_command(taken, frame(0x206));
   EXPECT_EQ(sent_ids().back(), 0x206U);
 }
 
 TEST_F(DepartureTest, ALateEchoEndsTheRefusalToo) {
   see_life();
-  Command lost;
+  Sent lost;
   push_command(lost, frame(0x205));
   advance(5s);
   EXPECT_EQ(lost.departure, Departure::unknown);
   echo(frame(0x205));
-  Command next;
+  Sent next;
   push_command(next, frame(0x205));
   EXPECT_EQ(link.sent.size(), 2U);
   echo(frame(0x205));
@@ -123,8 +123,8 @@ TEST_F(DepartureTest, ALateEchoEndsTheRefusalToo) {
 
 TEST_F(DepartureTest, ByItsDeadlineTheOutcomeIsUnknownButOthersMayWait) {
   see_life();
-  Command hurried;
-  Command waiting;
+  Sent hurried;
+  Sent waiting;
   push_command(hurried, frame(0x205), 5ms);
   push_command(waiting, frame(0x206));
   advance(5ms);
@@ -136,17 +136,17 @@ TEST_F(DepartureTest, ByItsDeadlineTheOutcomeIsUnknownButOthersMayWait) {
 
 TEST_F(DepartureTest, ALostEchoShiftsNoLaterOne) {
   see_life();
-  Command first;
+  Sent first;
   push_command(first, frame(0x205, 1));
   // Its echo is lost in an overrun; a frame that was handed over later comes back.
-  push(frame(0x601));
+  push(TransmitClass::sdo, frame(0x601));
   now += 1ms;
   echo(frame(0x601));
   advance(100ms);
   EXPECT_EQ(first.departure, Departure::unknown);
   for (int i = 0; i < 10; ++i) {
     see_life();
-    Command same;
+    Sent same;
     push_command(same, frame(0x205, 1));
     now += 1ms;
     echo(frame(0x205, 1));
@@ -156,19 +156,19 @@ TEST_F(DepartureTest, ALostEchoShiftsNoLaterOne) {
 
 TEST_F(DepartureTest, ALostEchoOfTheFrameBeforeShiftsNoLaterOne) {
   see_life();
-  push(frame(0x601));
-  Command command;
+  push(TransmitClass::sdo, frame(0x601));
+  Sent command;
   push_command(command, frame(0x205));
   advance(100ms);
   EXPECT_EQ(command.departure, Departure::unknown);
   // The cable is back: the first frame leaves, the command's echo follows at once or never.
   echo(frame(0x601));
-  Command early;
+  Sent early;
   push_command(early, frame(0x205));
   EXPECT_EQ(early.departure, Departure::offline) << "its echo could be taken for the one of the first";
   advance(100ms);
   see_life();
-  Command same;
+  Sent same;
   push_command(same, frame(0x205));
   now += 1ms;
   echo(frame(0x205));
@@ -177,9 +177,9 @@ TEST_F(DepartureTest, ALostEchoOfTheFrameBeforeShiftsNoLaterOne) {
 
 TEST_F(DepartureTest, SwappedEchoesOfTwoMailboxesConfirmBoth) {
   see_life();
-  Command command;
+  Sent command;
   push_command(command, frame(0x205));
-  push(frame(0x080));
+  push(TransmitClass::control, frame(0x080));
   echo(frame(0x080));
   EXPECT_EQ(command.departure, std::nullopt);
   echo(frame(0x205));
@@ -188,7 +188,7 @@ TEST_F(DepartureTest, SwappedEchoesOfTwoMailboxesConfirmBoth) {
 
 TEST_F(DepartureTest, AForeignEchoConfirmsNothing) {
   see_life();
-  Command command;
+  Sent command;
   push_command(command, frame(0x205, 1));
   echo(frame(0x205, 2));
   EXPECT_EQ(command.departure, std::nullopt);
@@ -196,71 +196,84 @@ TEST_F(DepartureTest, AForeignEchoConfirmsNothing) {
 
 TEST_F(DepartureTest, WhenTheBusGoesDownCommandsAreAnsweredAtOnce) {
   see_life();
-  Command in_kernel;
-  Command waiting;
+  Sent in_kernel;
+  Sent waiting;
   push_command(in_kernel, frame(0x205));
   push_command(waiting, frame(0x206));
   queue.on_bus(false);
   EXPECT_EQ(in_kernel.departure, Departure::unknown);
   EXPECT_EQ(waiting.departure, Departure::offline);
-  Command refused;
+  Sent refused;
   push_command(refused, frame(0x207));
   EXPECT_EQ(refused.departure, Departure::offline);
-  EXPECT_FALSE(queue.push(frame(0x601), now));
+  EXPECT_EQ(push(TransmitClass::sdo, frame(0x601)).departure, Departure::offline);
 
   // The controller may still hold the first: commands wait until a later frame came back.
   queue.on_bus(true);
   see_life();
-  Command early;
+  Sent early;
   push_command(early, frame(0x205));
   EXPECT_EQ(early.departure, Departure::offline);
-  push(frame(0x77F));
+  push(TransmitClass::control, frame(0x77F));
   echo(frame(0x77F));
-  Command next;
+  Sent next;
   push_command(next, frame(0x205));
   echo(frame(0x205));
   EXPECT_EQ(next.departure, Departure::left);
 }
 
-TEST_F(DepartureTest, ACancelledCommandIsWithdrawnSilently) {
-  Command command;
-  push_command(command, frame(0x205));
-  queue.cancel(command.ticket);
+TEST_F(DepartureTest, NothingGoesBehindAFrameThatIsStuck) {
   see_life();
-  EXPECT_TRUE(link.sent.empty());
-
-  push_command(command, frame(0x206));
-  queue.cancel(command.ticket);
-  advance(1s);
-  EXPECT_EQ(command.departure, std::nullopt);
+  push(TransmitClass::control, frame(0x77F));
+  advance(21ms);
+  see_life();
+  Sent command;
+  push_command(command, frame(0x205));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x77F}));
+  echo(frame(0x77F));
+  EXPECT_EQ(sent_ids().back(), 0x205U);
 }
 
-TEST_F(DepartureTest, WithdrawingEndsWhatWaitsOfOneIdentifier) {
-  link.result = SendResult::busy;
+TEST_F(DepartureTest, ACommandDoesNotWaitForAFrameThatIsOnlyBusy) {
   see_life();
-  Command command;
-  Command other;
-  push_command(command, frame(0x205, 1));
-  push_command(other, frame(0x206, 1));
-  push(frame(0x205, 2));
-  EXPECT_TRUE(queue.push_latest(frame(0x207, 3), now));
-  queue.withdraw(0x205);
-  queue.withdraw(0x207);
-  EXPECT_EQ(command.departure, Departure::withdrawn);
-  EXPECT_EQ(other.departure, std::nullopt);
-  link.result = SendResult::handed_over;
-  advance(2ms);
-  EXPECT_EQ(link.sent, (std::vector<Frame>{frame(0x205, 2), frame(0x206, 1)})) << "an ordinary frame is no RPDO";
+  push(TransmitClass::sdo, frame(0x601));
+  advance(20ms);
+  Sent command;
+  push_command(command, frame(0x205));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x601, 0x205}));
 }
 
-TEST_F(DepartureTest, WhatTheKernelHasCannotBeWithdrawn) {
+TEST_F(DepartureTest, AFrameThatCannotWinTheBusDelaysACommandForAMoment) {
   see_life();
-  Command command;
+  push(TransmitClass::sdo, frame(0x67F));
+  advance(30ms);
+  see_life();  // Others go before it.
+  Sent command;
   push_command(command, frame(0x205));
-  queue.withdraw(0x205);
-  EXPECT_EQ(command.departure, std::nullopt);
-  echo(frame(0x205));
-  EXPECT_EQ(command.departure, Departure::left);
+  EXPECT_EQ(link.sent.size(), 1U);
+  advance(69ms);
+  EXPECT_EQ(link.sent.size(), 1U);
+  see_life();
+  advance(1ms);
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x67F, 0x205}));
+}
+
+TEST_F(DepartureTest, OurHeartbeatIsAskedForWhatBecameOfACommand) {
+  see_life();
+  Sent command;
+  push_command(command, frame(0x205));
+  see_life();
+  advance(99ms);
+  see_life();
+  EXPECT_FALSE(queue.wants_heartbeat(now));
+  advance(1ms);
+  EXPECT_EQ(command.departure, Departure::unknown);
+  EXPECT_TRUE(queue.wants_heartbeat(now));
+  push(TransmitClass::control, frame(0x77F));
+  EXPECT_FALSE(queue.wants_heartbeat(now)) << "it is on its way";
+  advance(500ms);
+  see_life();
+  EXPECT_FALSE(queue.wants_heartbeat(now)) << "once is enough: the next one comes by itself";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "canopen/bus.h"
 #include "canopen/remote_node.h"
 #include "canopen/virtual_link.h"
+#include "tests/support/gated_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/scripted_slave.h"
 #include "tests/support/spawn.h"
@@ -86,7 +87,8 @@ class NodeBench : public testing::Test {
 
   support::HandDrivenLoop loop_;
   VirtualBus wire_{loop_.executor()};
-  Bus bus_{loop_.executor(), wire_.connect(), quiet_bus()};
+  bool closed_ = false;  ///< Nothing of ours can leave.
+  Bus bus_{loop_.executor(), std::make_unique<support::GatedLink>(wire_.connect(), closed_), quiet_bus()};
   support::ScriptedSlave slave_{loop_.executor(), wire_, kTestNode};
   RecordedEvents events_;
   std::unique_ptr<RemoteNode> node_;

@@ -40,6 +40,37 @@ TEST_F(PdoSetupTest, OnlyDifferingParametersAreWrittenWhileThePdoIsInvalid) {
   EXPECT_TRUE(status().online);
   EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}, {0x1800, 5}, {0x1800, 1}}));
   EXPECT_EQ(valid, std::vector<std::uint64_t>{1});
+  EXPECT_TRUE(node_->tpdo_verified(1));
+}
+
+TEST_F(PdoSetupTest, EachObjectIsReadOnceAndReadBackOnlyWhereItWasWritten) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  boot(bench_settings());
+  EXPECT_TRUE(status().online);
+  const std::vector<ObjectAddress> compared{{0x1800, 1}, {0x1800, 2}, {0x1800, 5},
+                                            {0x1A00, 0}, {0x1A00, 1}, {0x1A00, 2}};
+  const std::vector<ObjectAddress> read_back{{0x1800, 1}, {0x1800, 5}, {0x1A00, 0}};
+  const std::vector<ObjectAddress> rpdo{{0x1400, 1}, {0x1400, 2}, {0x1600, 0}, {0x1600, 1}, {0x1600, 2}};
+  std::vector<ObjectAddress> wanted{kHeartbeatTime};
+  for (const auto& part : {compared, read_back, rpdo}) {
+    wanted.insert(wanted.end(), part.begin(), part.end());
+  }
+  EXPECT_EQ(slave_.reads(), wanted);
+}
+
+TEST_F(PdoSetupTest, AMappingThatTheDriveClearsItselfIsNoticedAndSetUpNextTime) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.on_write([&](ObjectAddress object) {
+    if (object == ObjectAddress{0x1800, 1} && (slave_.value(object) >> 31U) != 0) {
+      slave_.set({0x1A00, 0}, DataType::u8, 0);
+    }
+  });
+  boot(bench_settings());
+  expect_letter('J', "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
+  ASSERT_TRUE(wait_online(6s));
+  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
 }
 
 TEST_F(PdoSetupTest, InvalidPdoWithAnotherCobIdIsCorrected) {

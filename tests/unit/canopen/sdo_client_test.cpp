@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/bus_fixture.h"
 #include "tests/unit/canopen/sdo_bench.h"
 
 namespace canopen {
@@ -168,7 +169,7 @@ TEST_F(SdoClientTest, InterruptionWithdrawsACommandFromTheTransmitQueue) {
   loop_.advance(1ms);
   wire_.withhold_echoes(true);
   const Frame other = make_frame(0x606, Bytes{0x40, 0, 0, 0, 0, 0, 0, 0});
-  const auto blocking = support::spawn(loop_.executor(), bus_.send_command(other, Clock::now() + 50ms));
+  const auto blocking = support::spawn(loop_.executor(), support::send_command(bus_, other, Clock::now() + 50ms));
   const auto writing = command(kCommand, 5);
   loop_.settle();
   client_->interrupt();
