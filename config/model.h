@@ -28,7 +28,8 @@ struct Bus {
   std::optional<std::uint32_t> bitrate;  ///< bit/s
   std::uint8_t node_id = 127;            ///< 0: none
   Duration heartbeat = std::chrono::milliseconds(500);
-  Duration sync{};  ///< Zero: none.
+  Duration sync{};        ///< Zero: none.
+  double sdo_load = 0.7;  ///< 0.1..1: load that all traffic together may reach while SDO transfers run.
   canopen::EchoProves echo = canopen::EchoProves::by_driver;
   friend bool operator==(const Bus&, const Bus&) = default;
 };

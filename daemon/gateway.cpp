@@ -16,6 +16,7 @@ canopen::BusSettings settings_of(const config::Bus& bus) {
   settings.node_id = bus.node_id;
   settings.heartbeat = bus.heartbeat;
   settings.sync = bus.sync;
+  settings.sdo_load = bus.sdo_load;
   return settings;
 }
 

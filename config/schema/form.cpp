@@ -130,6 +130,21 @@ Form<double> number() {
           .show = [](double value) { return to_text(value); }};
 }
 
+Form<double> number(double min, double max) {
+  const std::string range = to_text(min) + ".." + to_text(max);
+  Form<double> form = number();
+  form.type = "number " + range;
+  form.read = [=, any = form.read](const Node& node, const Complaint& complain) -> std::optional<double> {
+    const auto value = any(node, complain);
+    if (value.has_value() && (*value < min || *value > max)) {
+      complain.value(node.place, to_text(*value) + " is out of range " + range);
+      return std::nullopt;
+    }
+    return value;
+  };
+  return form;
+}
+
 Form<std::string> text() {
   return notation<std::string>("string", "at most 200 bytes without control characters", "", text_that(is_plain_text),
                                as_it_is);

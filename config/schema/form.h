@@ -49,6 +49,8 @@ bool expect_list(const Node& node, const Complaint& complain);
 [[nodiscard]] Form<std::int64_t> any_integer(std::int64_t min = INT64_MIN);
 /// An integer or a number, finite.
 [[nodiscard]] Form<double> number();
+/// The same within a range.
+[[nodiscard]] Form<double> number(double min, double max);
 /// Free text of at most 200 bytes without control characters.
 [[nodiscard]] Form<std::string> text();
 /// The same of at least one byte.

@@ -10,9 +10,6 @@ namespace {
 
 /// Above this, at worst stuffing, a bus has too little left for commands and retries.
 constexpr double kBusy = 0.6;
-/// Load that all traffic together may reach while SDO transfers run; polls shall leave half of it to boots and
-/// commands.
-constexpr double kSdoLoad = 0.7;
 
 std::string percent(double share) {
   return to_text(std::round(share * 1000.0) / 10.0) + " %";
@@ -35,7 +32,7 @@ void advise_on_load(const Model& model, const Node& root, Report& report) {
                                            "; above 60 % commands and boots wait. Make event_timer "
                                            "and poll longer, leave PDOs out, or raise the bit rate");
     }
-    if (load->polls_worst > kSdoLoad / 2) {
+    if (load->polls_worst > model.buses[i].sdo_load / 2) {
       report.warning(tables[i]->place, where + "polls alone are forecast to take " + percent(load->polls_worst) +
                                            " of the bus, more than half of what SDO transfers may lead to; make poll "
                                            "longer, or let TPDOs carry these signals");

@@ -70,8 +70,10 @@ const SectionOf<Bus>& bus_section() {
        Field("sync", &Bus::sync, duration({.min = milliseconds(1), .max = minutes(1), .zero = true}),
              "Period of the SYNC that the gateway sends; `0s`: none.")
            .unset("none: no SYNC"),
-       Field::later("sdo_load", "number", "0.7",
-                    "Load that all traffic together may reach while SDO transfers of the gateway run."),
+       Field(
+           "sdo_load", &Bus::sdo_load, number(0.1, 1.0),
+           "Load that all traffic together may reach while SDO transfers of the gateway run; SDO keeps a tenth of the "
+           "bus all the same. Without `bitrate`: eight transfers at once."),
        Field::later("other_master", "true or false", "false",
                     "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
        Field("echo", &Bus::echo,

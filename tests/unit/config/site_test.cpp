@@ -85,6 +85,13 @@ TEST(Buses, HaveNamesAndInterfacesOfTheirOwn) {
   EXPECT_EQ(model.drives.at(0).bus, 1U);
 }
 
+TEST(Buses, HaveALoadThatSdoMayLeadTo) {
+  EXPECT_EQ(model_of(kBus + kDrive).buses.at(0).sdo_load, 0.7);
+  EXPECT_EQ(model_of(kBus + "sdo_load = 1\n" + kDrive).buses.at(0).sdo_load, 1.0);
+  EXPECT_THAT(error_of(kBus + "sdo_load = 70\n" + kDrive),
+              HasSubstr("3:12: error: bus \"can0\": sdo_load 70 is out of range 0.1..1"));
+}
+
 TEST(Buses, MustBeNamedByADriveWhereThereAreSeveral) {
   const std::string two = "[[bus]]\nname = \"can0\"\n[[bus]]\nname = \"can1\"\n";
   EXPECT_THAT(error_of(two + kDrive), HasSubstr("5:1: error: drive \"pump1\": bus is missing"));
