@@ -52,23 +52,6 @@ TEST_F(DriveTest, PolledValuesComeBySdo) {
   EXPECT_EQ(reads_of(test::kLimit), 4);
 }
 
-TEST_F(DriveTest, AStallOfTheGatewayIsNoSilenceOfTheDrive) {
-  bring_online();
-  run_motor();
-  run(100ms);
-  observer_.stale.clear();
-  link_.stall();
-  run(1450ms);
-  EXPECT_FALSE(fresh("running")) << "nobody may take it for a value of now";
-  link_.resume();
-  loop_.settle();
-  EXPECT_TRUE(fresh("running"));
-  run(10ms);
-  EXPECT_TRUE(observer_.stale.empty()) << "what waited unread was taken for silence";
-  EXPECT_FALSE(alarm(AlarmKind::data).active);
-  EXPECT_TRUE(write_now({field("frequency_command", 20.0)}).has_value()) << "a standstill was made of it";
-}
-
 TEST_F(DriveTest, SilentTpdosAreTakenForOverdueAndReadBySdo) {
   slave_.set(test::kOutput, DataType::u16, 1234);
   bring_online();

@@ -1,0 +1,32 @@
+// The gateway was not scheduled for a while, and the drive's frames wait with their receive times.
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/process/drive_bench.h"
+
+namespace process {
+namespace {
+
+using namespace std::chrono_literals;
+
+using StalledGatewayTest = DriveBench;
+
+TEST_F(StalledGatewayTest, TakesWhatWaitsUnreadForNoSilence) {
+  bring_online();
+  run_motor();
+  run(100ms);
+  observer_.stale.clear();
+  link_.stall();
+  run(1450ms);
+  EXPECT_FALSE(fresh("running")) << "nobody may take it for a value of now";
+  link_.resume();
+  loop_.settle();
+  EXPECT_TRUE(fresh("running"));
+  run(10ms);
+  EXPECT_TRUE(observer_.stale.empty()) << "what waited unread was taken for silence";
+  EXPECT_FALSE(alarm(AlarmKind::data).active);
+  EXPECT_TRUE(write_now({field("frequency_command", 20.0)}).has_value()) << "a standstill was made of it";
+}
+
+}  // namespace
+}  // namespace process
