@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "config/load.h"
 #include "config/drive/profile.h"
+#include "config/load.h"
 #include "tests/fuzz/config_rules.h"
 
 namespace {
