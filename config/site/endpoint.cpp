@@ -61,7 +61,7 @@ bool is_v6_host(std::string_view host) {
 /// The address of a numeric host; nothing for a name other than localhost, which stands for both loopback ones.
 std::optional<ip::address> address_of(const std::string& host, bool v6) {
   error_code failed;
-  const auto address = ip::make_address(host, failed);
+  auto address = ip::make_address(host, failed);
   if (!failed) {
     return address;
   }
