@@ -92,9 +92,7 @@ void Bus::on_echo(const Frame& frame, TimePoint at) {
   ++statistics_.frames_sent;
   load_.add(frame, at);
   queue_.on_echo(frame, at);
-  if (!queue_.idle()) {
-    service();
-  }
+  service();
 }
 
 void Bus::on_bus_state(const BusState& state) {
@@ -144,7 +142,7 @@ void Bus::service() {
     heartbeat_.start();
   }
   if (const std::optional<TimePoint> next = queue_.next_time()) {
-    wake_up_.arm_no_later_than(*next);
+    wake_up_.arm_no_later_than(or_soon(*next));
   }
 }
 

@@ -112,6 +112,9 @@ boost::asio::awaitable<Result<void>> RpdoSender::transmit(Turn& turn, Entry& ent
 
 void RpdoSender::hold(ObjectAddress object) noexcept {
   for (Entry& entry : entries_) {
+    if (entry.rpdo.maps(object)) {
+      entry.repeated.reset();  // One that waits would undo the write that is about to overtake it.
+    }
     const TimePoint now = Clock::now();
     // Not again before a repetition has gone: of a row of writes each would hold it on.
     if (entry.rpdo.maps(object) && now >= entry.held_until + entry.repeat) {
@@ -123,6 +126,9 @@ void RpdoSender::hold(ObjectAddress object) noexcept {
 void RpdoSender::note(const ObjectValue& value) noexcept {
   for (Entry& entry : entries_) {
     entry.rpdo.note(value);
+    if (entry.rpdo.maps(value.object)) {
+      entry.repeated.reset();
+    }
     if (entry.rpdo.maps(value.object) && entry.held_until > Clock::now()) {
       entry.held_until = Clock::now();
     }
@@ -131,6 +137,9 @@ void RpdoSender::note(const ObjectValue& value) noexcept {
 
 void RpdoSender::forget(ObjectAddress object) noexcept {
   for (Entry& entry : entries_) {
+    if (entry.rpdo.maps(object)) {
+      entry.repeated.reset();
+    }
     entry.rpdo.forget(object);
   }
 }
@@ -183,8 +192,12 @@ void RpdoSender::repeat(Entry& entry) {
   const Turn* turn = under_way();
   const bool commanded = turn != nullptr && turn->sending->entry == &entry;
   if (!commanded && Clock::now() >= entry.held_until) {
-    entry.repeated.reset();
-    entry.repeated = bus_.send(TransmitClass::repetition, *frame, Clock::now() + TransmitQueue::kLifeTime);
+    // One that waits keeps its place, or drives behind many others would never hear theirs.
+    if (!entry.repeated.waiting() || entry.repeated_frame != *frame) {
+      entry.repeated.reset();
+      entry.repeated_frame = *frame;
+      entry.repeated = bus_.send(TransmitClass::repetition, *frame, Clock::now() + TransmitQueue::kLifeTime);
+    }
   }
   entry.repetition->arm(Clock::now() + entry.repeat);
 }

@@ -56,7 +56,8 @@ class RpdoSender {
     Duration repeat;  ///< Zero: not repeated.
     std::unique_ptr<WakeUp> repetition;
     TimePoint held_until{};
-    Ticket repeated{};  ///< The newest repetition.
+    Ticket repeated{};       ///< The newest repetition.
+    Frame repeated_frame{};  ///< What it holds.
   };
 
   boost::asio::awaitable<Result<void>> transmit(Turn& turn, Entry& entry, std::vector<ObjectValue> fields,

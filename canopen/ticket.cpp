@@ -23,6 +23,10 @@ void Ticket::reset() {
   }
 }
 
+bool Ticket::waiting() const {
+  return queue_ != nullptr && queue_->waits(id_);
+}
+
 void Ticket::withdraw() {
   if (queue_ != nullptr) {
     queue_->withdraw(id_);

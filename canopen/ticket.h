@@ -26,6 +26,8 @@ class [[nodiscard]] Ticket {
   /// A frame was queued, and the ticket was not given up since.
   explicit operator bool() const noexcept { return queue_ != nullptr; }
   void reset();
+  /// The kernel does not have it yet.
+  [[nodiscard]] bool waiting() const;
   /// Withdraws the frame where it still waits, and tells so.
   void withdraw();
 

@@ -6,7 +6,8 @@
 namespace canopen {
 namespace {
 
-constexpr std::size_t kMostInKernel = 3;
+// One that can move a motor, SYNC, heartbeat and a guarding request, one of SDO.
+constexpr std::size_t kUsuallyInKernel = 5;
 
 void tell(TransmitQueue::Told& told, Departure departure) {
   if (const TransmitQueue::Told once = std::exchange(told, nullptr)) {
@@ -23,9 +24,10 @@ bool is_motion(TransmitClass transmit_class) noexcept {
   return is_command(transmit_class) || transmit_class == TransmitClass::repetition;
 }
 
-/// By which what waits is sorted. SDO frames keep their order: a node with a high id has its turn, too.
+/// By which what waits is sorted. SDO frames and repetitions keep their order: a node with a high id has its turn, too.
 std::uint64_t rank(TransmitClass transmit_class, const Frame& frame) noexcept {
-  const std::uint32_t id = transmit_class == TransmitClass::sdo ? 0 : frame.id;
+  const bool in_turn = transmit_class == TransmitClass::sdo || transmit_class == TransmitClass::repetition;
+  const std::uint32_t id = in_turn ? 0 : frame.id;
   return std::uint64_t{static_cast<std::uint8_t>(transmit_class)} << 32U | id;
 }
 
@@ -33,7 +35,7 @@ std::uint64_t rank(TransmitClass transmit_class, const Frame& frame) noexcept {
 
 TransmitQueue::TransmitQueue(Link& link, TransmitTimes times) : link_(link), times_(times) {
   waiting_.reserve(kCapacity);
-  in_kernel_.reserve(kMostInKernel);
+  in_kernel_.reserve(kUsuallyInKernel);
 }
 
 Ticket TransmitQueue::push(TransmitClass transmit_class, const Frame& frame, TimePoint until, Told told,
@@ -49,6 +51,10 @@ Ticket TransmitQueue::push(TransmitClass transmit_class, const Frame& frame, Tim
   const std::uint64_t id = ++last_id_;
   enqueue({frame, transmit_class, until, id, std::move(told)});
   return {*this, id};
+}
+
+bool TransmitQueue::waits(std::uint64_t id) const noexcept {
+  return std::any_of(waiting_.begin(), waiting_.end(), [id](const Waiting& entry) { return entry.id == id; });
 }
 
 void TransmitQueue::drop(std::uint64_t id) {
@@ -149,24 +155,38 @@ std::optional<TimePoint> TransmitQueue::next_time() const noexcept {
   for (const Waiting& entry : waiting_) {
     next = std::min(next, entry.until);
   }
+  const bool in_a_hurry = up_ && motion_waits();
   for (const InKernel& entry : in_kernel_) {
     next = std::min(next, entry.overdue ? entry.lost_at.value_or(kNever) : entry.look_at);
+    if (in_a_hurry && !entry.followed && !entry.looked_behind) {
+      next = std::min(next, entry.since + times_.behind);
+    }
   }
   return next == kNever ? std::nullopt : std::optional(next);
 }
 
 bool TransmitQueue::wants_heartbeat(TimePoint now) const noexcept {
-  const bool others_wait = std::any_of(waiting_.begin(), waiting_.end(),
-                                       [](const Waiting& entry) { return !is_motion(entry.transmit_class); });
+  // What goes by itself will tell as well.
+  const bool others_wait = std::any_of(waiting_.begin(), waiting_.end(), [&](const Waiting& entry) {
+    return !is_motion(entry.transmit_class) && may_go(entry, now);
+  });
   if (!up_ || others_wait) {
     return false;
   }
   if (!alive(now)) {
     return in_kernel_.empty() && !waiting_.empty();
   }
-  return std::any_of(in_kernel_.begin(), in_kernel_.end(), [](const InKernel& entry) {
-    return is_motion(entry.transmit_class) && !entry.followed && (entry.overdue || entry.doubtful);
+  const bool in_a_hurry = motion_waits();
+  return std::any_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& entry) {
+    const bool stuck = in_a_hurry && now - entry.since >= times_.behind;
+    const bool uncertain = is_motion(entry.transmit_class) && (entry.overdue || entry.doubtful);
+    return !entry.followed && (stuck || uncertain);
   });
+}
+
+bool TransmitQueue::motion_waits() const noexcept {
+  return std::any_of(waiting_.begin(), waiting_.end(),
+                     [](const Waiting& entry) { return is_motion(entry.transmit_class); });
 }
 
 void TransmitQueue::enqueue(Waiting entry) {
@@ -177,28 +197,32 @@ void TransmitQueue::enqueue(Waiting entry) {
   waiting_.insert(place, std::move(entry));
 }
 
+// A repetition whose echo is missing only holds them back: a heartbeat of ours will tell, long before a stop is late.
 bool TransmitQueue::refuses_commands() const noexcept {
-  return std::any_of(in_kernel_.begin(), in_kernel_.end(), [](const InKernel& entry) { return entry.overdue; });
+  return std::any_of(in_kernel_.begin(), in_kernel_.end(),
+                     [](const InKernel& entry) { return entry.overdue && is_command(entry.transmit_class); });
 }
 
 bool TransmitQueue::alive(TimePoint now) const noexcept {
   return last_sign_of_life_ && now - *last_sign_of_life_ <= kSignOfLife;
 }
 
-bool TransmitQueue::may_go(TransmitClass transmit_class, TimePoint now) const noexcept {
-  if (is_motion(transmit_class)) {
+bool TransmitQueue::may_go(const Waiting& waiting, TimePoint now) const noexcept {
+  if (is_motion(waiting.transmit_class)) {
     return alive(now) && std::none_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& entry) {
              return is_motion(entry.transmit_class) || now - entry.since > times_.behind;
            });
   }
-  return std::none_of(in_kernel_.begin(), in_kernel_.end(),
-                      [&](const InKernel& entry) { return entry.transmit_class == transmit_class; });
+  return std::none_of(in_kernel_.begin(), in_kernel_.end(), [&](const InKernel& entry) {
+    return entry.transmit_class == waiting.transmit_class &&
+           (entry.transmit_class == TransmitClass::sdo || entry.frame.id == waiting.frame.id);
+  });
 }
 
 void TransmitQueue::hand_over(TimePoint now) {
   while (up_) {
-    const auto next = std::find_if(waiting_.rbegin(), waiting_.rend(),
-                                   [&](const Waiting& entry) { return may_go(entry.transmit_class, now); });
+    const auto next =
+        std::find_if(waiting_.rbegin(), waiting_.rend(), [&](const Waiting& entry) { return may_go(entry, now); });
     if (next == waiting_.rend()) {
       return;
     }
@@ -235,7 +259,14 @@ void TransmitQueue::drop_late(TimePoint now) {
 }
 
 void TransmitQueue::give_up_late(TimePoint now) {
+  const bool any_late = std::any_of(in_kernel_.begin(), in_kernel_.end(), [now](const InKernel& entry) {
+    return now >= (entry.overdue ? entry.lost_at.value_or(kNever) : entry.look_at);
+  });
+  if (any_late) {
+    now = std::min(now, link_.heard_until());  // After a stall the echo may lie in the socket.
+  }
   for (InKernel& entry : in_kernel_) {
+    entry.looked_behind = entry.looked_behind || now - entry.since >= times_.behind;
     if (is_motion(entry.transmit_class)) {
       give_up_motion(entry, now);
     } else {

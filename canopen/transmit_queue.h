@@ -34,10 +34,10 @@ enum class Departure : std::uint8_t {
 
 /// Everything that waits to leave on one bus, by class, then COB-ID, then age. The kernel gets very few frames at a
 /// time, the next one when an echo came back: so a frame past its time is dropped here instead of leaving when a cable
-/// is plugged in an hour later. At most three are in the kernel:
+/// is plugged in an hour later. In the kernel are at most:
 /// - one that can move a motor (NMT, command, repetition), and only while the bus shows life and no frame of ours is
 ///   stuck. Without its echo in time no other one follows until an echo proves that it has gone;
-/// - one of control, so that nothing keeps our heartbeat and SYNC back;
+/// - one of each COB-ID of control, so that nothing keeps our heartbeat and SYNC back, nor one the other;
 /// - one of SDO.
 /// The last two are no longer waited for once their echo is late on a bus that lives, or may have been lost.
 ///
@@ -71,10 +71,11 @@ class TransmitQueue {
 
   /// Drops and answers what is past its time, and hands over what may go.
   void service(TimePoint now);
+  /// Lies in the past while the link lags behind.
   [[nodiscard]] std::optional<TimePoint> next_time() const noexcept;
   [[nodiscard]] bool idle() const noexcept { return waiting_.empty(); }
   /// A heartbeat of ours would tell what is not known: whether the bus lives, where only commands and repetitions wait;
-  /// or whether one of them has gone whose echo is missing.
+  /// or whether a frame has gone whose echo is missing, and which one of them waits for.
   [[nodiscard]] bool wants_heartbeat(TimePoint now) const noexcept;
 
  private:
@@ -97,16 +98,19 @@ class TransmitQueue {
     bool doubtful = false;             ///< Its echo may have been lost.
     bool followed = false;             ///< A frame was handed over after it, whose echo will tell.
     bool overdue = false;              ///< The controller may still hold it: nothing else that moves a motor is taken.
+    bool looked_behind = false;        ///< It was looked at when others no longer followed it.
     bool gone = false;                 ///< Its echo came, or is not waited for any more.
     std::optional<TimePoint> lost_at;  ///< Overdue, and the bus moves again: its echo comes by then or never.
   };
 
+  [[nodiscard]] bool waits(std::uint64_t id) const noexcept;
   void drop(std::uint64_t id);
   void withdraw(std::uint64_t id);
   void enqueue(Waiting entry);
   [[nodiscard]] bool refuses_commands() const noexcept;
   [[nodiscard]] bool alive(TimePoint now) const noexcept;
-  [[nodiscard]] bool may_go(TransmitClass transmit_class, TimePoint now) const noexcept;
+  [[nodiscard]] bool may_go(const Waiting& entry, TimePoint now) const noexcept;
+  [[nodiscard]] bool motion_waits() const noexcept;
   void hand_over(TimePoint now);
   void drop_late(TimePoint now);
   void give_up_late(TimePoint now);

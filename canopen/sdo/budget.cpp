@@ -15,6 +15,7 @@ constexpr std::size_t kMostAtOnce = 64;
 // Drives answer within milliseconds. After that time one is slow or silent.
 constexpr Duration kAnswerTime = std::chrono::milliseconds(50);
 constexpr int kTransfersBeforeAnswer = 8;
+constexpr Duration kMostDebt = std::chrono::milliseconds(500);
 // So much may be granted ahead, for timers are not exact.
 constexpr Duration kAhead = std::chrono::milliseconds(5);
 
@@ -51,7 +52,8 @@ SdoBudget::SdoBudget(const boost::asio::any_io_executor& executor, std::optional
 void SdoBudget::charge() {
   if (bitrate_) {
     const TimePoint now = Clock::now();
-    paid_until_ = std::max(paid_until_, now) + time_of_transfer(now);
+    // Commands are not limited, and must not keep boots and polls out for ever.
+    paid_until_ = std::min(std::max(paid_until_, now) + time_of_transfer(now), now + kMostDebt);
   }
 }
 

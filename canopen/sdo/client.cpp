@@ -108,6 +108,9 @@ boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer
                                                             StillStands still_stands) {
   const ObjectAddress object = transfer.object();
   SdoLine::Place place(line_, SdoLine::Kind::command, Clock::now());
+  if (exchange_ != nullptr && !exchange_->is_command()) {
+    exchange_->withdraw();  // A read that has not even left must not hold back what may be a stop.
+  }
   const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
   if (verdict != SdoLine::Verdict::mine) {
     co_return not_granted(verdict, object);
@@ -132,6 +135,7 @@ boost::asio::awaitable<Result<void>> SdoClient::exchange_command(SdoTransfer tra
                                                                  bool conclusive, const SdoLine::Place& place) {
   const ObjectAddress object = transfer.object();
   const bool late_possible = late_.expected(object);
+  abort_.reset();  // Of a transfer before it: behind the command it could end that one.
   SdoExchange exchange(channel(), std::move(transfer), TransmitClass::command, deadline, late_possible);
   co_await run(exchange);
   const std::optional<Error>& error_met = exchange.error();

@@ -40,6 +40,9 @@ boost::asio::awaitable<void> SdoExchange::run() {
 }
 
 SdoTransfer::Step SdoExchange::on_answer(std::span<const std::uint8_t> answer) {
+  if (request_.waiting()) {
+    return SdoTransfer::Step::ignored;  // It is that to another's request: ours has not left.
+  }
   const SdoTransfer::Step step = transfer_.on_answer(answer, late_possible_);
   switch (step) {
     case SdoTransfer::Step::ignored:

@@ -51,7 +51,7 @@ class SdoExchange {
   [[nodiscard]] bool over() const noexcept { return over_; }
   [[nodiscard]] const std::optional<Error>& error() const noexcept { return error_; }
   /// The first request never left.
-  [[nodiscard]] bool not_begun() const noexcept { return !transfer_.in_segments() && never_left(); }
+  [[nodiscard]] bool not_begun() const noexcept { return error_ && !transfer_.in_segments() && never_left(); }
   /// A request has left, or may have, and no answer came in time.
   [[nodiscard]] bool silent() const noexcept { return silent_; }
 

@@ -22,7 +22,9 @@ class FakeLink final : public canopen::Link {
     }
     return result;
   }
+  canopen::TimePoint heard_until() override { return heard; }
 
+  canopen::TimePoint heard = canopen::kNever;  ///< All that was received before has been read.
   canopen::SendResult result = canopen::SendResult::handed_over;
   std::vector<canopen::Frame> sent;
 };

@@ -42,7 +42,7 @@ interface = "virtual"
 [[drive]]
 name = "pump1"
 node = 5
-profile = "veichi-ac310"
+profile = "cia402-velocity"
 END
 sed 's/^node = 5/node = 300/' good.toml >wrong.toml
 sed '$a[drive.commands]\nwriters = ["mqtt"]' good.toml >doubtful.toml

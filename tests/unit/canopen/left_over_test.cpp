@@ -169,5 +169,40 @@ TEST_F(LeftOverTest, ACommandIsNeverFollowedByAnOlderRepetition) {
   EXPECT_TRUE(std::all_of(heard.begin(), heard.end(), [](const Frame& frame) { return frame.data[0] == 0x06; }));
 }
 
+TEST_F(LeftOverTest, ACommandBySdoIsNotUndoneByARepetitionThatWaited) {
+  NodeSettings settings = bench_settings();
+  settings.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online(settings);
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  node_->void_rpdos(true);  // A standstill: the supervised RPDO goes on being repeated.
+  closed_ = true;
+  loop_.advance(101ms);  // A repetition waits.
+  slave_.forget_heard();
+  node_->hold_repetition(kControlWord);
+  const auto stopping = write(0x06);
+  loop_.advance(20ms);
+  closed_ = false;
+  loop_.advance(50ms);
+  ASSERT_TRUE(stopping.done());
+  EXPECT_TRUE(stopping.get().has_value());
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+}
+
+TEST_F(LeftOverTest, AnAnswerToSomebodyElseConfirmsNoCommandThatHasNotLeft) {
+  bring_online(bench_settings());
+  slave_.forget_heard();
+  closed_ = true;
+  const auto stopping = write(0x06);
+  loop_.advance(20ms);
+  slave_.send(0x585, {0x60, 0x40, 0x60, 0, 0, 0, 0, 0});
+  loop_.advance(20ms);
+  EXPECT_FALSE(stopping.done());
+  closed_ = false;
+  loop_.advance(50ms);
+  ASSERT_TRUE(stopping.done());
+  EXPECT_TRUE(stopping.get().has_value());
+  EXPECT_EQ(slave_.writes().size(), 1U);
+}
+
 }  // namespace
 }  // namespace canopen

@@ -39,7 +39,7 @@ TEST_F(TransmitQueueTest, ClassesGoBeforeIdentifiers) {
   see_life();
   advance(2ms);
   drain();
-  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x000, 0x080, 0x601, 0x305, 0x77F, 0x605, 0x201}))
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x000, 0x080, 0x77F, 0x601, 0x305, 0x605, 0x201}))
       << "as their slots get free";
 }
 
@@ -96,7 +96,7 @@ TEST_F(TransmitQueueTest, ABusyKernelIsAskedAgainAfterAPauseOrAnEcho) {
   push(TransmitClass::control, frame(0x080));
   EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x601})) << "asked again at once";
   echo(frame(0x601));
-  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x601, 0x080}));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x601, 0x080, 0x77F}));
 
   link.result = SendResult::busy;
   push(TransmitClass::sdo, frame(0x604));
@@ -216,12 +216,67 @@ TEST_F(TransmitQueueTest, WithoutEchoOneRepetitionIsInTheKernelAndStaysTheOnlyOn
   EXPECT_EQ(sent_ids(), std::vector<std::uint32_t>{0x201});
   Sent command;
   push_command(command, frame(0x205));
-  EXPECT_EQ(command.departure, Departure::offline);
+  EXPECT_EQ(command.departure, std::nullopt) << "it may be a stop, and waits";
+  EXPECT_EQ(sent_ids().back(), 0x201U);
   // A heartbeat of ours that comes back proves that it has gone.
+  EXPECT_TRUE(queue.wants_heartbeat(now));
   push(TransmitClass::control, frame(0x77F));
   echo(frame(0x77F));
-  push_command(command, frame(0x205));
   EXPECT_EQ(sent_ids().back(), 0x205U);
+}
+
+TEST_F(TransmitQueueTest, AskedByAHeartbeatAsSoonAsACommandWaitsForAFrameOfOurs) {
+  see_life();
+  push(TransmitClass::sdo, frame(0x601));  // Its echo is lost.
+  advance(25ms);
+  EXPECT_FALSE(queue.wants_heartbeat(now)) << "nobody is in a hurry";
+  Sent command;
+  push_command(command, frame(0x205));
+  EXPECT_TRUE(queue.wants_heartbeat(now));
+  push(TransmitClass::control, frame(0x77F));
+  EXPECT_FALSE(queue.wants_heartbeat(now)) << "once is enough";
+  echo(frame(0x77F));
+  EXPECT_EQ(sent_ids().back(), 0x205U);
+}
+
+TEST_F(TransmitQueueTest, SyncAndHeartbeatDoNotHoldEachOtherBack) {
+  push(TransmitClass::control, frame(0x080));
+  push(TransmitClass::control, frame(0x77F));
+  push(TransmitClass::control, frame(0x080));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x080, 0x77F})) << "one of each";
+}
+
+TEST_F(TransmitQueueTest, AnEchoThatMayLieInTheSocketIsNotGivenUp) {
+  see_life();
+  Sent command;
+  link.heard = now;
+  push_command(command, frame(0x205));
+  now += 1s;  // The process stood still.
+  queue.service(now);
+  EXPECT_EQ(command.departure, std::nullopt);
+  echo(frame(0x205));
+  EXPECT_EQ(command.departure, Departure::left);
+}
+
+TEST_F(TransmitQueueTest, RepetitionsHaveTheirTurnWhateverTheirNode) {
+  see_life();
+  push(TransmitClass::command, frame(0x300));
+  push(TransmitClass::repetition, frame(0x27F));
+  push(TransmitClass::repetition, frame(0x201));
+  drain();
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x300, 0x27F, 0x201}));
+}
+
+TEST_F(TransmitQueueTest, ATicketTellsWhetherItsFrameStillWaits) {
+  see_life();
+  Sent first;
+  Sent second;
+  push_command(first, frame(0x205));
+  push_command(second, frame(0x206));
+  EXPECT_FALSE(first.ticket.waiting());
+  EXPECT_TRUE(second.ticket.waiting());
+  second.ticket.reset();
+  EXPECT_FALSE(second.ticket.waiting());
 }
 
 TEST_F(TransmitQueueTest, RepetitionsDoNotGatherWhileTheCableIsOut) {
