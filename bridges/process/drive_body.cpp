@@ -29,6 +29,7 @@ Drive::Body::Body(const boost::asio::any_io_executor& executor, const config::Dr
       reader_(executor, model, node_, inputs_, alarms_),
       expiry_(executor,
               [this] {
+                expiry_for_ = canopen::kNever;
                 inputs_.expire(node_.heard_until());
                 arm_expiry();
               }),
@@ -223,9 +224,11 @@ void Drive::Body::watch_bits(canopen::TimePoint now) {
 }
 
 void Drive::Body::arm_expiry() {
+  // Called for each frame: the clock is read only where the timer is set.
   const canopen::TimePoint next = inputs_.next_expiry();
-  if (next != canopen::TimePoint::max()) {
-    expiry_.arm_no_later_than(canopen::or_soon(next));
+  if (next < expiry_for_) {
+    expiry_for_ = next;
+    expiry_.arm(canopen::or_soon(next));
   }
 }
 

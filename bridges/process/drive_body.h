@@ -89,6 +89,7 @@ class Drive::Body final : private canopen::NodeEvents, private Inputs::Listener 
   Commands commands_;
   Reader reader_;
   canopen::WakeUp expiry_;
+  canopen::TimePoint expiry_for_ = canopen::kNever;  ///< What it is set for.
 
   std::optional<Indicator> fault_;
   std::optional<Indicator> warning_;
