@@ -33,7 +33,8 @@ class RpdoSender {
   [[nodiscard]] bool complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept;
   boost::asio::awaitable<Result<void>> send(std::uint16_t number, std::vector<ObjectValue> fields, TimePoint deadline);
   /// A command of `object` goes by SDO now: its RPDO is not repeated until note(), or it would bring back the value of
-  /// before. One repetition at most is left out, so that the node does not trip.
+  /// before; a repetition that waits to leave is withdrawn. Repeated calls do not make the pause longer than one
+  /// period.
   void hold(ObjectAddress object) noexcept;
   void note(const ObjectValue& value) noexcept;
   void forget(ObjectAddress object) noexcept;

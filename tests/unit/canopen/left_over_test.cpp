@@ -29,6 +29,13 @@ class LeftOverTest : public NodeCommandBench {
     slave_.boot_up();
     ASSERT_TRUE(loop_.advance_until(done, 2s));
   }
+  /// The drive runs, and supervises its RPDO: it is repeated each 100 ms.
+  void run_supervised() {
+    NodeSettings settings = bench_settings();
+    settings.rpdos[0].event_timer = std::uint16_t{300};
+    bring_online(settings);
+    ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  }
   /// The node loses its power for a moment: all is as it was delivered.
   void reboot() {
     install(bench_settings());
@@ -125,10 +132,7 @@ TEST_F(LeftOverTest, ACommandedStopReachesItAllTheSame) {
 }
 
 TEST_F(LeftOverTest, RpdosAndRepetitionsEndWithTheLifeTheyBelongTo) {
-  NodeSettings settings = bench_settings();
-  settings.rpdos[0].event_timer = std::uint16_t{300};
-  bring_online(settings);
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  run_supervised();
   slave_.forget_heard();
   closed_ = true;
   loop_.advance(150ms);  // A repetition waits.
@@ -151,10 +155,7 @@ TEST_F(LeftOverTest, RpdosAndRepetitionsEndWithTheLifeTheyBelongTo) {
 }
 
 TEST_F(LeftOverTest, ACommandIsNeverFollowedByAnOlderRepetition) {
-  NodeSettings settings = bench_settings();
-  settings.rpdos[0].event_timer = std::uint16_t{300};
-  bring_online(settings);
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  run_supervised();
   slave_.forget_heard();
   closed_ = true;
   loop_.advance(101ms);  // A repetition waits.
@@ -170,10 +171,7 @@ TEST_F(LeftOverTest, ACommandIsNeverFollowedByAnOlderRepetition) {
 }
 
 TEST_F(LeftOverTest, ACommandBySdoIsNotUndoneByARepetitionThatWaited) {
-  NodeSettings settings = bench_settings();
-  settings.rpdos[0].event_timer = std::uint16_t{300};
-  bring_online(settings);
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  run_supervised();
   node_->void_rpdos(true);  // A standstill: the supervised RPDO goes on being repeated.
   closed_ = true;
   loop_.advance(101ms);  // A repetition waits.

@@ -6,6 +6,7 @@
 #include "config/drive/drive_keys.h"
 #include "config/schema/section.h"
 #include "config/site/site_keys.h"
+#include "config/text.h"
 
 namespace config {
 namespace {
@@ -45,6 +46,11 @@ void check_section(const Section& section, int depth) {
 TEST(TheSchema, IsWellFormed) {
   check_section(site_section(), 0);
   check_section(profile_section(), 0);
+}
+
+// Its default is worded, because the usual spelling of a minute is another.
+TEST(TheSchema, WordsTheLongestIntervalAsItIs) {
+  EXPECT_EQ(parse_duration(mqtt_section().find("max_interval")->standard), Mqtt().max_interval);
 }
 
 TEST(NumberedKeys, ReachFromOneToFiveHundredAndTwelve) {
