@@ -4,7 +4,7 @@
 #include <chrono>
 #include <map>
 
-#include "canopen/wire_bits.h"
+#include "canopen/bus/wire_bits.h"
 
 namespace config {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "canopen/echo.h"
-#include "canopen/node_settings.h"
+#include "canopen/bus/echo.h"
+#include "canopen/node/node_settings.h"
 #include "canopen/object.h"
 
 // What a site configured, checked and resolved against its profiles: plain immutable values, compared by value.

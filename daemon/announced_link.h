@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "canopen/link.h"
+#include "canopen/bus/link.h"
 
 namespace gateway {
 

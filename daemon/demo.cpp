@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "daemon/commands.h"
 #include "daemon/demo_config.h"
 #include "daemon/demo_screen.h"

@@ -10,8 +10,8 @@
 #include "bridges/modbus/server.h"
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
-#include "canopen/bus.h"
-#include "canopen/link.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/link.h"
 #include "config/model.h"
 #include "daemon/event_log.h"
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "canopen/socketcan_link.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/socketcan/socketcan_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "daemon/commands.h"
 #include "daemon/gateway.h"
 #include "daemon/log.h"

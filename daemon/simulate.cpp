@@ -6,7 +6,7 @@
 #include <exception>
 #include <iostream>
 
-#include "canopen/socketcan_link.h"
+#include "canopen/bus/socketcan/socketcan_link.h"
 #include "daemon/announced_link.h"
 #include "daemon/commands.h"
 #include "daemon/descriptors.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopen/link.h"
+#include "canopen/bus/link.h"
 #include "config/model.h"
 #include "daemon/line_reader.h"
 #include "simulator/console.h"

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "canopen/bus/link.h"
 #include "canopen/frame.h"
-#include "canopen/link.h"
 #include "simulator/alarm.h"
 
 namespace simulator {

@@ -10,8 +10,8 @@
 #include "bridges/process/alarm_record.h"
 #include "bridges/process/emergencies.h"
 #include "canopen/clock.h"
-#include "canopen/emcy.h"
-#include "canopen/node_events.h"
+#include "canopen/node/emcy.h"
+#include "canopen/node/node_events.h"
 #include "config/model.h"
 
 namespace process {

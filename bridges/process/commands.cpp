@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bridges/process/command_checks.h"
-#include "canopen/remote_node.h"
+#include "canopen/node/remote_node.h"
 
 namespace process {
 namespace {

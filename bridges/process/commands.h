@@ -18,7 +18,7 @@
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/nmt.h"
-#include "canopen/node_events.h"
+#include "canopen/node/node_events.h"
 #include "canopen/object.h"
 #include "config/model.h"
 

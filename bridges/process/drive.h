@@ -12,7 +12,7 @@
 #include "bridges/process/writer.h"
 #include "canopen/error.h"
 #include "canopen/nmt.h"
-#include "canopen/node_events.h"
+#include "canopen/node/node_events.h"
 #include "config/model.h"
 
 namespace canopen {

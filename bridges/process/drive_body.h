@@ -14,8 +14,8 @@
 #include "bridges/process/inputs.h"
 #include "bridges/process/observer.h"
 #include "bridges/process/reader.h"
-#include "canopen/node_events.h"
-#include "canopen/remote_node.h"
+#include "canopen/node/node_events.h"
+#include "canopen/node/remote_node.h"
 #include "canopen/wake_up.h"
 
 namespace process {

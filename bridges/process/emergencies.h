@@ -7,7 +7,7 @@
 
 #include "bridges/process/alarm.h"
 #include "canopen/clock.h"
-#include "canopen/emcy.h"
+#include "canopen/node/emcy.h"
 #include "config/model.h"
 
 namespace process {

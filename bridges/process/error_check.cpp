@@ -1,6 +1,6 @@
 #include "bridges/process/error_check.h"
 
-#include "canopen/remote_node.h"
+#include "canopen/node/remote_node.h"
 
 namespace process {
 namespace {

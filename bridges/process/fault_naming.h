@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "canopen/emcy.h"
+#include "canopen/node/emcy.h"
 #include "config/model.h"
 
 namespace process {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridges/process/drive.h"
-#include "canopen/bus_state.h"
+#include "canopen/bus/bus_state.h"
 #include "config/model.h"
 
 namespace process {

@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "bridges/process/fault_naming.h"
-#include "canopen/emcy.h"
+#include "canopen/node/emcy.h"
 
 namespace process {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "canopen/remote_node.h"
+#include "canopen/node/remote_node.h"
 
 namespace process {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "canopen/bus_load.h"
+#include "canopen/bus/bus_load.h"
 #include "canopen/clock.h"
 #include "canopen/wake_up.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "canopen/bus.h"
+#include "canopen/bus/bus.h"
 
 namespace canopen {
 namespace {

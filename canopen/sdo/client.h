@@ -9,19 +9,19 @@
 #include <string_view>
 #include <vector>
 
+#include "canopen/bus/link.h"
+#include "canopen/bus/subscription.h"
+#include "canopen/bus/ticket.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
-#include "canopen/link.h"
-#include "canopen/node_settings.h"
+#include "canopen/node/node_settings.h"
+#include "canopen/node/still_stands.h"
 #include "canopen/object.h"
 #include "canopen/sdo/exchange.h"
 #include "canopen/sdo/late_answers.h"
 #include "canopen/sdo/line.h"
 #include "canopen/sdo/transfer.h"
-#include "canopen/still_stands.h"
-#include "canopen/subscription.h"
-#include "canopen/ticket.h"
 
 namespace canopen {
 

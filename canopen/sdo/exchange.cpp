@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "canopen/transmission.h"
+#include "canopen/bus/transmission.h"
 
 namespace canopen {
 namespace {

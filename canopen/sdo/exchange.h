@@ -6,13 +6,13 @@
 #include <optional>
 #include <span>
 
-#include "canopen/bus.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/ticket.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
-#include "canopen/node_settings.h"
+#include "canopen/node/node_settings.h"
 #include "canopen/sdo/transfer.h"
-#include "canopen/ticket.h"
 
 namespace canopen {
 

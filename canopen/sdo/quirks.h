@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "canopen/node_settings.h"
+#include "canopen/node/node_settings.h"
 #include "canopen/sdo/expedited.h"
 
 // Where real SDO servers depart from CiA 301, and what is tolerated. Everything here is about answers: our requests

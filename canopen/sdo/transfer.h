@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "canopen/error.h"
-#include "canopen/node_settings.h"
+#include "canopen/node/node_settings.h"
 #include "canopen/object.h"
 #include "canopen/sdo/expedited.h"
 

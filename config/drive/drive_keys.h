@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "canopen/node_settings.h"
+#include "canopen/node/node_settings.h"
 #include "config/model.h"
 #include "config/schema/section.h"
 

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "canopen/socketcan_link.h"
+#include "canopen/bus/socketcan/socketcan_link.h"
 #include "tests/bench/parts.h"
 #include "tests/bench/rates.h"
 #include "tests/bench/site.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <thread>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "config/model.h"
 #include "daemon/gateway.h"
 #include "daemon/simulated_site.h"

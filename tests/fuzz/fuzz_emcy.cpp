@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "canopen/emcy.h"
+#include "canopen/node/emcy.h"
 
 namespace {
 

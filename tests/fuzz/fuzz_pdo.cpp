@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "canopen/pdo.h"
+#include "canopen/node/pdo.h"
 
 namespace {
 

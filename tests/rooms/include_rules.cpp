@@ -20,20 +20,33 @@ struct Room {
 };
 
 // Plain values: what a profile says about a node, how it is named, and how long a frame is.
-constexpr std::array<std::string_view, 7> kConfig{"canopen/clock.h",    "canopen/echo.h",          "canopen/emcy.h",
-                                                  "canopen/error.h",    "canopen/node_settings.h", "canopen/object.h",
-                                                  "canopen/wire_bits.h"};
+constexpr std::array<std::string_view, 7> kConfig{
+    "canopen/clock.h",        "canopen/bus/echo.h",           "canopen/node/emcy.h",
+    "canopen/error.h",        "canopen/node/node_settings.h", "canopen/object.h",
+    "canopen/bus/wire_bits.h"};
 // The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
-constexpr std::array<std::string_view, 13> kProcess{
-    "config/model.h",  "canopen/remote_node.h", "canopen/node_events.h", "canopen/node_settings.h", "canopen/object.h",
-    "canopen/error.h", "canopen/clock.h",       "canopen/bus_state.h",   "canopen/nmt.h",           "canopen/emcy.h",
-    "canopen/event.h", "canopen/wake_up.h",     "canopen/hex.h"};
+constexpr std::array<std::string_view, 13> kProcess{"config/model.h",
+                                                    "canopen/node/remote_node.h",
+                                                    "canopen/node/node_events.h",
+                                                    "canopen/node/node_settings.h",
+                                                    "canopen/object.h",
+                                                    "canopen/error.h",
+                                                    "canopen/clock.h",
+                                                    "canopen/bus/bus_state.h",
+                                                    "canopen/nmt.h",
+                                                    "canopen/node/emcy.h",
+                                                    "canopen/event.h",
+                                                    "canopen/wake_up.h",
+                                                    "canopen/hex.h"};
 constexpr std::array<std::string_view, 5> kBridge{"bridges/process/", "config/model.h", "canopen/clock.h",
                                                   "canopen/error.h", "canopen/object.h"};
 // Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
-constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus_state.h",    "canopen/clock.h",
-                                                     "canopen/frame.h",        "canopen/link.h",
-                                                     "canopen/virtual_link.h", "canopen/socketcan_link.h"};
+constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
+                                                     "canopen/clock.h",
+                                                     "canopen/frame.h",
+                                                     "canopen/bus/link.h",
+                                                     "canopen/bus/virtual_link.h",
+                                                     "canopen/bus/socketcan/socketcan_link.h"};
 // The only one that knows the loader.
 constexpr std::array<std::string_view, 6> kDaemon{"canopen/",        "config/",       "bridges/process/",
                                                   "bridges/modbus/", "bridges/mqtt/", "simulator/"};

@@ -17,7 +17,7 @@ struct Violation {
   friend bool operator==(const Violation&, const Violation&) = default;
 };
 
-/// `canopen/bus.cpp:3: "config/model.h": …`
+/// `canopen/bus/bus.cpp:3: "config/model.h": …`
 [[nodiscard]] std::string to_string(const Violation& violation);
 
 /// The folders the rules know, each a room.

@@ -10,15 +10,15 @@ bool passes(std::string_view file, std::string_view included) {
 }
 
 TEST(IncludeRules, NameFileLineAndReason) {
-  const std::vector<Violation> found =
-      check_text("canopen/bus.cpp", "#include \"canopen/bus.h\"\n\n#include <vector>\n#include \"config/model.h\"\n");
+  const std::vector<Violation> found = check_text(
+      "canopen/bus/bus.cpp", "#include \"canopen/bus/bus.h\"\n\n#include <vector>\n#include \"config/model.h\"\n");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(to_string(found.front()),
-            "canopen/bus.cpp:4: \"config/model.h\": canopen/ may not include this of config/");
+            "canopen/bus/bus.cpp:4: \"config/model.h\": canopen/ may not include this of config/");
 }
 
 TEST(IncludeRules, CanopenKnowsNobody) {
-  EXPECT_TRUE(passes("canopen/sdo/client.cpp", "canopen/bus.h"));
+  EXPECT_TRUE(passes("canopen/sdo/client.cpp", "canopen/bus/bus.h"));
   for (const char* other : {"config/model.h", "bridges/process/image.h", "simulator/drive.h", "daemon/gateway.h"}) {
     EXPECT_FALSE(passes("canopen/sdo/client.cpp", other)) << other;
   }
@@ -26,24 +26,24 @@ TEST(IncludeRules, CanopenKnowsNobody) {
 
 TEST(IncludeRules, ConfigKnowsPlainValues) {
   EXPECT_TRUE(passes("config/model.h", "canopen/object.h"));
-  EXPECT_TRUE(passes("config/model.h", "canopen/wire_bits.h"));
+  EXPECT_TRUE(passes("config/model.h", "canopen/bus/wire_bits.h"));
   EXPECT_FALSE(passes("config/model.h", "canopen/frame.h"));
-  EXPECT_FALSE(passes("config/model.h", "canopen/link.h"));
-  EXPECT_FALSE(passes("config/model.h", "canopen/remote_node.h"));
+  EXPECT_FALSE(passes("config/model.h", "canopen/bus/link.h"));
+  EXPECT_FALSE(passes("config/model.h", "canopen/node/remote_node.h"));
 }
 
 TEST(IncludeRules, ProcessKnowsTheRemoteDriveButNoFrames) {
-  EXPECT_TRUE(passes("bridges/process/commands.cpp", "canopen/remote_node.h"));
+  EXPECT_TRUE(passes("bridges/process/commands.cpp", "canopen/node/remote_node.h"));
   EXPECT_TRUE(passes("bridges/process/commands.cpp", "config/model.h"));
   EXPECT_FALSE(passes("bridges/process/commands.cpp", "canopen/frame.h"));
-  EXPECT_FALSE(passes("bridges/process/commands.cpp", "canopen/link.h"));
+  EXPECT_FALSE(passes("bridges/process/commands.cpp", "canopen/bus/link.h"));
   EXPECT_FALSE(passes("bridges/process/commands.cpp", "config/load.h"));
 }
 
 TEST(IncludeRules, BridgesDoNotKnowEachOther) {
   for (const char* file : {"bridges/modbus/server.cpp", "bridges/mqtt/bridge.cpp"}) {
     EXPECT_TRUE(passes(file, "bridges/process/image.h"));
-    EXPECT_FALSE(passes(file, "canopen/remote_node.h"));
+    EXPECT_FALSE(passes(file, "canopen/node/remote_node.h"));
     EXPECT_FALSE(passes(file, "config/load.h"));
   }
   EXPECT_FALSE(passes("bridges/modbus/server.cpp", "bridges/mqtt/bridge.h"));
@@ -52,8 +52,8 @@ TEST(IncludeRules, BridgesDoNotKnowEachOther) {
 }
 
 TEST(IncludeRules, SimulatorKnowsNoServiceOfTheMaster) {
-  EXPECT_TRUE(passes("simulator/drive.h", "canopen/link.h"));
-  for (const char* other : {"canopen/pdo.h", "canopen/object.h", "canopen/sdo/client.h", "config/model.h"}) {
+  EXPECT_TRUE(passes("simulator/drive.h", "canopen/bus/link.h"));
+  for (const char* other : {"canopen/node/pdo.h", "canopen/object.h", "canopen/sdo/client.h", "config/model.h"}) {
     EXPECT_FALSE(passes("simulator/drive.h", other)) << other;
   }
 }
@@ -65,10 +65,10 @@ TEST(IncludeRules, DaemonKnowsEverybodyButTests) {
 }
 
 TEST(IncludeRules, SeeThroughOtherSpellings) {
-  EXPECT_EQ(check_text("canopen/bus.h", "  #  include <config/model.h>\n").size(), 1U);
-  EXPECT_EQ(check_text("canopen/bus.h", "#include \"link.h\"\n").size(), 1U) << "not named from the root";
-  EXPECT_EQ(check_text("canopen/bus.h", "#include \"../config/model.h\"\n").size(), 1U);
-  EXPECT_TRUE(check_text("canopen/bus.h", "// #include \"config/model.h\"\n").empty());
+  EXPECT_EQ(check_text("canopen/bus/bus.h", "  #  include <config/model.h>\n").size(), 1U);
+  EXPECT_EQ(check_text("canopen/bus/bus.h", "#include \"link.h\"\n").size(), 1U) << "not named from the root";
+  EXPECT_EQ(check_text("canopen/bus/bus.h", "#include \"../config/model.h\"\n").size(), 1U);
+  EXPECT_TRUE(check_text("canopen/bus/bus.h", "// #include \"config/model.h\"\n").empty());
   EXPECT_TRUE(check_text("tests/unit/canopen/bus_test.cpp", "#include \"config/load.h\"\n").empty());
 }
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "canopen/bus.h"
-#include "canopen/transmission.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/transmission.h"
+#include "canopen/bus/virtual_link.h"
 #include "tests/support/frame.h"
 #include "tests/support/hand_driven_loop.h"
 

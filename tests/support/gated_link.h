@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "canopen/link.h"
+#include "canopen/bus/link.h"
 
 namespace support {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "canopen/link.h"
+#include "canopen/bus/link.h"
 
 namespace support {
 

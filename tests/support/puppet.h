@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "canopen/link.h"
+#include "canopen/bus/link.h"
+#include "canopen/bus/virtual_link.h"
 #include "canopen/nmt.h"
 #include "canopen/object.h"
-#include "canopen/virtual_link.h"
 
 namespace support {
 

@@ -10,11 +10,11 @@
 #include <set>
 #include <vector>
 
+#include "canopen/bus/link.h"
+#include "canopen/bus/virtual_link.h"
 #include "canopen/clock.h"
 #include "canopen/frame.h"
-#include "canopen/link.h"
 #include "canopen/object.h"
-#include "canopen/virtual_link.h"
 
 namespace support {
 

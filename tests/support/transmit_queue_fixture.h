@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "canopen/transmit_queue.h"
+#include "canopen/bus/transmit_queue.h"
 #include "tests/support/frame.h"
 
 namespace support {

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "canopen/socketcan/descriptor.h"
+#include "canopen/bus/socketcan/descriptor.h"
 #include "tests/vcan/link_fixture.h"
 
 namespace canopen {

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "canopen/socketcan_link.h"
+#include "canopen/bus/socketcan/socketcan_link.h"
 
 // What the tests of the SocketCAN link share. They run as root against a kernel with SocketCAN: tests/vcan/run.
 

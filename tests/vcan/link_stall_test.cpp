@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "canopen/bus.h"
-#include "canopen/heartbeat_consumer.h"
+#include "canopen/bus/bus.h"
+#include "canopen/node/heartbeat_consumer.h"
 #include "tests/vcan/link_fixture.h"
 
 namespace canopen {

@@ -1,5 +1,5 @@
 // As root: tests/vcan/run BUILD/tests/vcan/socketcan_link_test
-#include "canopen/socketcan_link.h"
+#include "canopen/bus/socketcan/socketcan_link.h"
 
 #include <gtest/gtest.h>
 

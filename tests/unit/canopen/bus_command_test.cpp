@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "canopen/bus.h"
+#include "canopen/bus/bus.h"
 #include "tests/support/bus_fixture.h"
 #include "tests/support/spawn.h"
 

@@ -1,8 +1,8 @@
-#include "canopen/bus_load.h"
+#include "canopen/bus/bus_load.h"
 
 #include <gtest/gtest.h>
 
-#include "canopen/wire_bits.h"
+#include "canopen/bus/wire_bits.h"
 
 namespace canopen {
 namespace {

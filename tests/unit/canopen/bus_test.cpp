@@ -1,4 +1,4 @@
-#include "canopen/bus.h"
+#include "canopen/bus/bus.h"
 
 #include <gtest/gtest.h>
 

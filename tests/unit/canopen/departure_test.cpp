@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "canopen/transmit_queue.h"
+#include "canopen/bus/transmit_queue.h"
 #include "tests/support/transmit_queue_fixture.h"
 
 namespace canopen {

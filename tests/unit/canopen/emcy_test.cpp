@@ -1,4 +1,4 @@
-#include "canopen/emcy.h"
+#include "canopen/node/emcy.h"
 
 #include <gtest/gtest.h>
 

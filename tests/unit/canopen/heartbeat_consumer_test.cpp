@@ -1,4 +1,4 @@
-#include "canopen/heartbeat_consumer.h"
+#include "canopen/node/heartbeat_consumer.h"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "canopen/bus.h"
-#include "canopen/remote_node.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/virtual_link.h"
+#include "canopen/node/remote_node.h"
 #include "tests/support/gated_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/scripted_slave.h"

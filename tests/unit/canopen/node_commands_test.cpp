@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "canopen/remote_node.h"
+#include "canopen/node/remote_node.h"
 #include "tests/unit/canopen/node_bench.h"
 
 namespace canopen {

@@ -1,4 +1,4 @@
-#include "canopen/pdo.h"
+#include "canopen/node/pdo.h"
 
 #include <gtest/gtest.h>
 

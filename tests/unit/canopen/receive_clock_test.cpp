@@ -1,4 +1,4 @@
-#include "canopen/socketcan/receive_clock.h"
+#include "canopen/bus/socketcan/receive_clock.h"
 
 #include <gtest/gtest.h>
 

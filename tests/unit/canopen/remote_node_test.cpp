@@ -1,6 +1,6 @@
 // A node in service: values, loss and return, NMT commands, SDO and RPDO commands.
 
-#include "canopen/remote_node.h"
+#include "canopen/node/remote_node.h"
 
 #include <gtest/gtest.h>
 

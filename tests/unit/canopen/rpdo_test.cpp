@@ -1,4 +1,4 @@
-#include "canopen/rpdo.h"
+#include "canopen/node/rpdo.h"
 
 #include <gtest/gtest.h>
 

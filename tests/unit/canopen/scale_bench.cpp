@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "canopen/bus_load.h"
+#include "canopen/bus/bus_load.h"
 #include "tests/support/spawn.h"
 
 namespace canopen {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "canopen/bus.h"
-#include "canopen/remote_node.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/virtual_link.h"
+#include "canopen/node/remote_node.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/unit/canopen/scale_drive.h"
 

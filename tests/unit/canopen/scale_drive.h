@@ -6,10 +6,10 @@
 #include <memory>
 #include <span>
 
-#include "canopen/link.h"
+#include "canopen/bus/link.h"
+#include "canopen/bus/virtual_link.h"
 #include "canopen/nmt.h"
-#include "canopen/node_settings.h"
-#include "canopen/virtual_link.h"
+#include "canopen/node/node_settings.h"
 
 namespace canopen {
 

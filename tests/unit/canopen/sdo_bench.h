@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "canopen/bus.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/virtual_link.h"
 #include "canopen/sdo/client.h"
-#include "canopen/virtual_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/scripted_slave.h"
 #include "tests/support/spawn.h"

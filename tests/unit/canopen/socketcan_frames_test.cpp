@@ -4,10 +4,10 @@
 
 #include <array>
 
-#include "canopen/socketcan/driver.h"
-#include "canopen/socketcan/error_frame.h"
-#include "canopen/socketcan/interface_state.h"
-#include "canopen/socketcan/receive_batch.h"
+#include "canopen/bus/socketcan/driver.h"
+#include "canopen/bus/socketcan/error_frame.h"
+#include "canopen/bus/socketcan/interface_state.h"
+#include "canopen/bus/socketcan/receive_batch.h"
 
 namespace canopen::socketcan {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "canopen/bus.h"
-#include "canopen/remote_node.h"
+#include "canopen/bus/bus.h"
+#include "canopen/node/remote_node.h"
 #include "tests/support/lagging_link.h"
 #include "tests/unit/canopen/node_bench.h"
 

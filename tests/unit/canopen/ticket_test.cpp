@@ -1,6 +1,6 @@
 // A frame belongs to its ticket: it is withdrawn with it, unless the kernel has it.
 
-#include "canopen/ticket.h"
+#include "canopen/bus/ticket.h"
 
 #include <gtest/gtest.h>
 

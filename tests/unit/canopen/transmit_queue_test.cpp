@@ -1,6 +1,6 @@
 // The order in which frames leave, how many the kernel has, and what happens where it takes none.
 
-#include "canopen/transmit_queue.h"
+#include "canopen/bus/transmit_queue.h"
 
 #include <gtest/gtest.h>
 

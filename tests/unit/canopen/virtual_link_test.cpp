@@ -1,4 +1,4 @@
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "canopen/bus_load.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/bus_load.h"
+#include "canopen/bus/virtual_link.h"
 #include "tests/support/frame.h"
 #include "tests/support/hand_driven_loop.h"
 

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "simulator/network.h"
 #include "tests/support/hand_driven_loop.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "config/bus_load.h"
 #include "config/load.h"
 #include "daemon/gateway.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/spawn.h"
 #include "tests/unit/daemon/demo_model.h"

@@ -9,7 +9,7 @@
 #include <csignal>
 #include <string>
 
-#include "canopen/socketcan/descriptor.h"
+#include "canopen/bus/socketcan/descriptor.h"
 
 namespace gateway {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/unit/daemon/demo_model.h"
 

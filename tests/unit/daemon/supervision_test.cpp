@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "canopen/virtual_link.h"
+#include "canopen/bus/virtual_link.h"
 #include "daemon/gateway.h"
 #include "simulator/drive.h"
 #include "simulator/network.h"

@@ -8,8 +8,8 @@
 
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
-#include "canopen/bus.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/virtual_link.h"
 #include "config/model.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/puppet.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bridges/process/drive.h"
-#include "canopen/bus.h"
-#include "canopen/virtual_link.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/virtual_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/lagging_link.h"
 #include "tests/support/scripted_slave.h"

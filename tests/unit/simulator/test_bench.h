@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "canopen/bus/link.h"
+#include "canopen/bus/virtual_link.h"
 #include "canopen/frame.h"
-#include "canopen/link.h"
-#include "canopen/virtual_link.h"
 #include "simulator/drive.h"
 #include "simulator/network.h"
 #include "tests/support/hand_driven_loop.h"

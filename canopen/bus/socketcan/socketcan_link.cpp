@@ -1,0 +1,299 @@
+#include "canopen/bus/socketcan/socketcan_link.h"
+
+#include <linux/can.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <boost/asio/post.hpp>
+#include <cerrno>
+#include <optional>
+#include <utility>
+
+#include "canopen/bus/socketcan/driver.h"
+#include "canopen/bus/socketcan/error_frame.h"
+#include "canopen/bus/socketcan/interface_bell.h"
+#include "canopen/bus/socketcan/interface_query.h"
+#include "canopen/bus/socketcan/interface_state.h"
+#include "canopen/bus/socketcan/raw_socket.h"
+#include "canopen/bus/socketcan/readable.h"
+#include "canopen/bus/socketcan/receive_batch.h"
+#include "canopen/bus/socketcan/receive_clock.h"
+#include "canopen/wake_up.h"
+
+namespace canopen {
+namespace {
+
+using socketcan::Interface;
+using socketcan::Readable;
+using socketcan::ReceiveBatch;
+
+// The interface is asked for again should an error frame have been lost or the bell have been deaf. The question may
+// have to wait for others in the kernel (rtnl lock), so it is put less often while all is well.
+constexpr Duration kLookAgain = std::chrono::seconds(1);
+constexpr Duration kLookAtHealthy = std::chrono::seconds(5);
+
+bool tells_that_it_is_gone(int error) noexcept {
+  return error == ENODEV || error == ENXIO || error == ENETUNREACH || error == ENETDOWN;
+}
+
+class SocketCanLink final : public Link {
+ public:
+  SocketCanLink(boost::asio::any_io_executor executor, std::string interface, EchoProves echo, LinkNotice notice)
+      : executor_(std::move(executor)),
+        name_(std::move(interface)),
+        echo_(echo),
+        notice_(std::move(notice)),
+        look_again_(executor_, [this] { look(); }),
+        count_again_(executor_, [this] { count_losses(socketcan::dropped_so_far(socket_->get())); }) {}
+
+  void open(LinkEvents& events) override;
+  void close() override;
+  SendResult send(const Frame& frame) override;
+  TimePoint heard_until() override;
+
+ private:
+  /// Asks for the interface, opens or closes the socket, and tells a changed state.
+  void look();
+  void open_socket(const Interface& interface);
+  void drop_socket();  ///< With all that waits in it, which is from before.
+  void tell_of_limits(const Interface& interface, int receive_buffer);
+  void tell(const BusState& state);
+  void notice(const std::string& text) const;
+
+  void receive();
+  void deliver(std::size_t count);
+  void count_losses(std::optional<std::uint32_t> dropped);
+  void on_error_frame(const Frame& frame);
+
+  boost::asio::any_io_executor executor_;
+  std::string name_;
+  EchoProves echo_;
+  LinkNotice notice_;
+  LinkEvents* events_ = nullptr;  ///< Nothing: closed.
+  std::optional<socketcan::InterfaceQuery> query_;
+  std::optional<Readable> bell_;
+  std::optional<Readable> socket_;
+  int interface_index_ = 0;  ///< Of the socket.
+  int failed_index_ = 0;     ///< Of the interface whose socket could not be opened.
+  int told_index_ = 0;       ///< Of the interface whose limits were told of.
+  bool gone_ = false;        ///< A frame could not be sent, since the socket's interface went away.
+  WakeUp look_again_;
+  WakeUp count_again_;
+  ReceiveBatch batch_;
+  socketcan::ReceiveClock clock_;
+  std::array<Received, ReceiveBatch::kCapacity> received_{};
+  std::uint32_t dropped_ = 0;  ///< The kernel's count for this socket, as told.
+  std::optional<BusState> told_;
+};
+
+void SocketCanLink::open(LinkEvents& events) {
+  events_ = &events;
+  query_.emplace();
+  bell_.emplace(executor_, socketcan::open_interface_bell(), [this] {
+    socketcan::silence_interface_bell(bell_->get());
+    look();
+  });
+  look_again_.arm(Clock::now());
+}
+
+void SocketCanLink::close() {
+  events_ = nullptr;
+  look_again_.cancel();
+  bell_.reset();
+  drop_socket();
+  query_.reset();
+  told_.reset();
+}
+
+SendResult SocketCanLink::send(const Frame& frame) {
+  if (!socket_) {
+    return SendResult::down;
+  }
+  const can_frame raw = socketcan::to_kernel(frame);
+  if (::send(socket_->get(), &raw, sizeof raw, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof raw)) {
+    return SendResult::handed_over;
+  }
+  // EAGAIN: our own send buffer is full; ENOBUFS: the interface's queue is, and the socket counts as writable all the
+  // while, so that waiting for it would spin. Both end with an echo or after a pause.
+  if (errno == EAGAIN || errno == ENOBUFS || errno == EINTR || errno == ENOMEM) {
+    return SendResult::busy;
+  }
+  gone_ = gone_ || tells_that_it_is_gone(errno);
+  look_again_.arm_no_later_than(Clock::now());
+  return SendResult::down;
+}
+
+TimePoint SocketCanLink::heard_until() {
+  const TimePoint now = Clock::now();
+  if (!socket_) {
+    return now;
+  }
+  if (socketcan::has_something_to_read(socket_->get())) {
+    return clock_.heard_until();
+  }
+  // Where the socket ran over, the newest frames are lost, and the kernel tells so with the next one only. Silence must
+  // not be decided without knowing of them.
+  if (socketcan::dropped_so_far(socket_->get()).value_or(dropped_) != dropped_) {
+    count_again_.arm_no_later_than(now);
+    return clock_.heard_until();
+  }
+  return now;
+}
+
+void SocketCanLink::look() {
+  if (std::exchange(gone_, false)) {
+    drop_socket();
+    tell(BusState{});
+  }
+  if (events_ == nullptr) {
+    return;
+  }
+  look_again_.arm(Clock::now() + kLookAgain);
+  const socketcan::InterfaceQuery::Answer answer = query_->ask(name_);
+  if (answer.error) {
+    return;  // Nothing is known now; what was known stays until the next look.
+  }
+  const BusState state =
+      answer.interface ? socketcan::state_of(*answer.interface, told_.value_or(BusState{})) : BusState{};
+  if (state.condition == BusCondition::down) {
+    drop_socket();
+    if (!answer.interface) {
+      failed_index_ = 0;
+    }
+    tell(state);
+    return;
+  }
+  if (socket_ && interface_index_ != answer.interface->index) {
+    gone_ = true;  // Another interface took its name.
+    return look();
+  }
+  if (!socket_) {
+    open_socket(*answer.interface);
+  }
+  if (socket_ && state.condition == BusCondition::error_active) {
+    look_again_.arm(Clock::now() + kLookAtHealthy);
+  }
+  tell(socket_ ? state : BusState{});
+}
+
+void SocketCanLink::open_socket(const Interface& interface) {
+  socketcan::RawSocket opened = socketcan::open_raw_socket(interface.index);
+  if (opened.error) {
+    if (std::exchange(failed_index_, interface.index) != interface.index) {
+      notice(name_ + ": no CAN socket: " + opened.error.message());
+    }
+    return;
+  }
+  failed_index_ = 0;
+  dropped_ = 0;
+  interface_index_ = interface.index;
+  clock_.start(Clock::now());
+  socket_.emplace(executor_, std::move(opened.descriptor), [this] { receive(); });
+  if (std::exchange(told_index_, interface.index) != interface.index) {
+    tell_of_limits(interface, opened.receive_buffer);
+  }
+}
+
+void SocketCanLink::drop_socket() {
+  count_again_.cancel();
+  socket_.reset();
+  interface_index_ = 0;
+}
+
+void SocketCanLink::tell_of_limits(const Interface& interface, int receive_buffer) {
+  if (receive_buffer < socketcan::kWantedReceiveBuffer) {
+    notice(name_ + ": receive buffer of " + std::to_string(receive_buffer) + " bytes instead of " +
+           std::to_string(socketcan::kWantedReceiveBuffer) +
+           ": frames may be lost in bursts; raise it with sysctl net.core.rmem_max");
+  }
+  const std::string driver = socketcan::driver_of(socket_->get(), name_);
+  if (const auto text = socketcan::no_departure_notice(echo_, interface.echoes, driver); !text.empty()) {
+    notice(name_ + ": " + text);
+  }
+}
+
+void SocketCanLink::tell(const BusState& state) {
+  if (events_ != nullptr && told_ != state) {
+    told_ = state;
+    events_->on_bus_state(state);
+  }
+}
+
+void SocketCanLink::notice(const std::string& text) const {
+  if (notice_) {
+    notice_(text);
+  }
+}
+
+/// One batch, then others get their turn.
+void SocketCanLink::receive() {
+  const int count = batch_.read(socket_->get());
+  if (count > 0) {
+    deliver(static_cast<std::size_t>(count));
+  } else if (count < 0 && errno != EAGAIN && errno != EINTR) {
+    // ENETDOWN, ENODEV: told once, before the frames that wait; the interface went down or away. It may be back by now
+    // with the same index, and this socket would stay deaf.
+    gone_ = true;
+    look();
+  }
+}
+
+void SocketCanLink::deliver(std::size_t count) {
+  clock_.set(Clock::now(), wall_now());
+  std::size_t collected = 0;
+  const auto hand_over_collected = [&] {
+    if (collected > 0 && events_ != nullptr) {
+      events_->on_frames(std::span(received_).first(std::exchange(collected, 0)));
+    }
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const ReceiveBatch::Item item = batch_.item(i);
+    const TimePoint at = clock_.at(item.wall);
+    // In the order of reception, so everything before goes first.
+    if (item.echo || item.frame.error || (item.dropped && *item.dropped != dropped_)) {
+      hand_over_collected();
+    }
+    count_losses(item.dropped);
+    if (events_ == nullptr) {
+      return;
+    }
+    if (item.frame.error) {
+      on_error_frame(item.frame);
+    } else if (item.echo) {
+      events_->on_echo(item.frame, at);
+    } else {
+      received_[collected++] = {item.frame, at, item.wall};
+    }
+  }
+  hand_over_collected();
+}
+
+void SocketCanLink::count_losses(std::optional<std::uint32_t> dropped) {
+  // The count wraps. A frame that waited while its successors were dropped has a count from before.
+  const std::uint32_t lost = dropped.value_or(dropped_) - dropped_;
+  if (events_ == nullptr || lost == 0 || lost > UINT32_MAX / 2) {
+    return;
+  }
+  dropped_ += lost;
+  look_again_.arm_no_later_than(Clock::now());  // An error frame may have been among them.
+  events_->on_frames_lost(lost);
+}
+
+void SocketCanLink::on_error_frame(const Frame& frame) {
+  look_again_.arm_no_later_than(Clock::now() + kLookAgain);
+  if (socketcan::tells_overrun(frame)) {
+    events_->on_frames_lost(1);
+  }
+  if (events_ != nullptr && told_ && told_->condition != BusCondition::down) {
+    tell(socketcan::after_error_frame(*told_, frame));
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Link> make_socketcan_link(boost::asio::any_io_executor executor, std::string interface,
+                                          LinkNotice notice, EchoProves echo) {
+  return std::make_unique<SocketCanLink>(std::move(executor), std::move(interface), echo, std::move(notice));
+}
+
+}  // namespace canopen

@@ -1,0 +1,45 @@
+#include "canopen/bus/transmission.h"
+
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/system/error_code.hpp>
+
+namespace canopen {
+
+Transmission::Transmission(Bus& bus, TransmitClass transmit_class, const Frame& frame, TimePoint deadline)
+    : bus_(bus), timer_(bus.executor_, kNever) {
+  ++bus_.transmissions_;
+  ticket_ = bus_.send(transmit_class, frame, deadline, [this](Departure departure) {
+    departure_ = departure;
+    timer_.cancel();
+  });
+}
+
+Transmission::~Transmission() {
+  --bus_.transmissions_;
+}
+
+boost::asio::awaitable<Result<void>> Transmission::result() {
+  if (!departure_) {
+    boost::system::error_code cancelled;
+    co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, cancelled));
+  }
+  co_return result_of(departure_.value_or(Departure::offline));
+}
+
+Result<void> result_of(Departure departure) {
+  switch (departure) {
+    case Departure::left:
+      return {};
+    case Departure::withdrawn:
+      return Error{.kind = ErrorKind::timeout, .detail = "not sent before its deadline; withdrawn"};
+    case Departure::unknown:
+      return Error{.kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "its departure was not seen"};
+    case Departure::offline:
+      break;
+  }
+  return Error{.kind = ErrorKind::offline,
+               .detail = "the bus is down, or takes no command until a frame of ours has left"};
+}
+
+}  // namespace canopen

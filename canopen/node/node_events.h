@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "canopen/clock.h"
+#include "canopen/nmt.h"
+#include "canopen/node/emcy.h"
+#include "canopen/object.h"
+
+namespace canopen {
+
+inline constexpr std::uint8_t kBootOk = 0;
+inline constexpr std::uint8_t kNotBooted = 255;
+
+/// What is known of a node right now.
+struct NodeStatus {
+  bool online = false;      ///< Error control alive, and booted or taken over, and the bus up.
+  bool configured = false;  ///< Boot or takeover finished since the last boot-up or loss.
+  NmtState nmt = NmtState::unknown;
+  /// kBootOk, kNotBooted, or a CiA 302-2 error letter ('A'..'O') as ASCII.
+  std::uint8_t boot_result = kNotBooted;
+  std::string boot_text;  ///< Why boot_result is a letter: object, expected, found. Empty where it is none.
+  std::optional<TimePoint> last_heartbeat;  ///< Heartbeat, boot-up or guarding answer.
+  bool lost = false;           ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
+  std::uint16_t boot_ups = 0;  ///< Counters wrap.
+  std::uint16_t emergencies = 0;
+  std::uint16_t heartbeat_losses = 0;
+  std::uint32_t last_abort = 0;  ///< Of the newest SDO abort, 0: none.
+
+  friend bool operator==(const NodeStatus&, const NodeStatus&) = default;
+};
+
+/// How a node came online.
+enum class Arrival : std::uint8_t {
+  booted,     ///< Configured and started by us after its boot-up or return.
+  taken_over  ///< Found operational as wanted; nothing was written or commanded.
+};
+
+/// What a remote node tells the process image. Called from the loop; receivers never call back into the node from
+/// inside but through posted work, except RemoteNode::void_rpdos().
+class NodeEvents {
+ public:
+  /// Any field of the status changed (heartbeat times alone do not count).
+  virtual void on_status(const NodeStatus& status) = 0;
+  /// A boot-up message: every value and everything commanded is void.
+  virtual void on_boot_up() = 0;
+  virtual void on_arrival(Arrival arrival) = 0;
+  /// Values in mapping order, dummies included as 0.
+  virtual void on_tpdo(std::uint16_t number, std::span<const Raw> values, TimePoint at, WallTime wall) = 0;
+  /// A TPDO of another length: not decoded.
+  virtual void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) = 0;
+  virtual void on_emcy(const Emcy& emcy, TimePoint at, WallTime wall) = 0;
+  /// Frames of this bus were lost before we read them: TPDO values are suspect until refreshed.
+  virtual void on_frames_lost() = 0;
+  /// Something that a person should know and nothing acts upon: for the log.
+  virtual void on_remark(const std::string& /*text*/) {}
+
+ protected:
+  ~NodeEvents() = default;
+};
+
+}  // namespace canopen

@@ -1,0 +1,128 @@
+#include "canopen/node/setup_session.h"
+
+#include <utility>
+
+#include "canopen/hex.h"
+#include "canopen/sdo/client.h"
+
+namespace canopen {
+namespace {
+
+constexpr std::uint32_t kWriteOnly = 0x06010001;
+constexpr std::uint32_t kNoObject = 0x06020000;
+constexpr std::uint32_t kNoSubIndex = 0x06090011;
+
+// Identifiers and mapping entries are read in hexadecimal, times and counts in decimal.
+std::string value_text(DataType type, Raw raw) {
+  if (type == DataType::u32) {
+    return "0x" + hex(raw, 1);
+  }
+  return is_signed(type) ? std::to_string(static_cast<std::int64_t>(raw)) : std::to_string(raw);
+}
+
+Error interruption() {
+  Error error;
+  error.kind = ErrorKind::offline;
+  return error;
+}
+
+}  // namespace
+
+bool is_absent(const Error& error) noexcept {
+  return error.kind == ErrorKind::refused && (error.abort == kNoObject || error.abort == kNoSubIndex);
+}
+
+std::string difference_text(const SetupItem& item, Raw found) {
+  return to_string(item.object) + " " + item.name + ": expected " + value_text(item.type, item.wanted) + ", found " +
+         value_text(item.type, found);
+}
+
+SetupSession::SetupSession(SdoClient& sdo, SetupPurpose purpose)
+    : sdo_(sdo), purpose_(purpose), begun_(sdo.interruptions()) {}
+
+bool SetupSession::interrupted() const noexcept {
+  return sdo_.interruptions() != begun_;
+}
+
+boost::asio::awaitable<Result<Raw>> SetupSession::read(ObjectAddress object, DataType type) {
+  if (interrupted()) {
+    co_return interruption();
+  }
+  const Result<Raw> result = co_await sdo_.read(object, type);
+  answered_ = answered_ || result.has_value() || result.error().kind != ErrorKind::timeout;
+  co_return result;
+}
+
+boost::asio::awaitable<Result<void>> SetupSession::write(ObjectAddress object, DataType type, Raw raw) {
+  if (interrupted()) {
+    co_return interruption();
+  }
+  co_return co_await sdo_.write(object, type, raw);
+}
+
+boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
+  SetupOutcome outcome;
+  if (item.policy == SetupPolicy::assume) {
+    co_return outcome;
+  }
+  item.wanted = normalise(item.type, item.wanted);
+  const Result<Raw> found = co_await read(item.object, item.type);
+  if (found.has_value()) {
+    outcome.confirmed = found.value() == item.wanted;
+    if (outcome.confirmed) {
+      co_return outcome;
+    }
+    if (inspecting() || item.policy == SetupPolicy::verify) {
+      outcome.failure = difference(difference_text(item, found.value()));
+      co_return outcome;
+    }
+    co_return co_await correct(std::move(item), true);
+  }
+  if (is_absent(found.error())) {
+    outcome.absent = true;
+    co_return outcome;
+  }
+  if (found.error().kind == ErrorKind::refused && found.error().abort == kWriteOnly) {
+    if (inspecting() || item.policy == SetupPolicy::verify) {
+      co_return outcome;
+    }
+    co_return co_await correct(std::move(item), false);
+  }
+  outcome.failure = failure(found.error(), item.name);
+  co_return outcome;
+}
+
+boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool readable) {
+  SetupOutcome outcome;
+  outcome.written = true;
+  const Result<void> written = co_await write(item.object, item.type, item.wanted);
+  if (written.has_error()) {
+    outcome.failure = failure(written.error(), item.name);
+    co_return outcome;
+  }
+  if (!readable) {
+    co_return outcome;
+  }
+  const Result<Raw> back = co_await read(item.object, item.type);
+  if (back.has_error()) {
+    outcome.failure = failure(back.error(), item.name);
+  } else if (back.value() != item.wanted) {
+    outcome.failure = difference(difference_text(item, back.value()) + " after it was written");
+  }
+  outcome.confirmed = !outcome.failure;
+  co_return outcome;
+}
+
+BootFailure SetupSession::failure(const Error& error, std::string_view name) const {
+  if (error.kind == ErrorKind::offline || interrupted()) {
+    return {'J', {}, true};
+  }
+  const char letter = error.kind == ErrorKind::timeout && !answered_ ? 'B' : 'J';
+  return {letter, std::string(name) + ": " + to_string(error), false};
+}
+
+BootFailure SetupSession::difference(std::string text) const {
+  return {inspecting() ? 'L' : 'J', std::move(text), false};
+}
+
+}  // namespace canopen
