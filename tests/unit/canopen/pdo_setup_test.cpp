@@ -68,7 +68,8 @@ TEST_F(PdoSetupTest, AMappingThatTheDriveClearsItselfIsNoticedAndSetUpNextTime) 
     }
   });
   boot(bench_settings());
-  expect_letter('J', "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
+  expect_letter(BootResult::not_configured,
+                "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
   ASSERT_TRUE(wait_online(6s));
   EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
 }
@@ -134,7 +135,7 @@ TEST_F(PdoSetupTest, VerifyNeverWrites) {
   slave_.set({0x1A00, 0}, DataType::u8, 1);
   slave_.set({0x1800, 5}, DataType::u16, 0);
   boot(settings);
-  expect_letter('J', "TPDO1 event timer: expected 100, found 0");
+  expect_letter(BootResult::not_configured, "TPDO1 event timer: expected 100, found 0");
   EXPECT_TRUE(slave_.writes().empty());
 }
 
