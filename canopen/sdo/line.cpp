@@ -25,6 +25,10 @@ void SdoLine::withdraw_commands() {
   moved_.notify();
 }
 
+bool SdoLine::held_by_transfer() const noexcept {
+  return holder_ != nullptr && holder_->kind_ == Kind::transfer;
+}
+
 boost::asio::awaitable<void> SdoLine::until_empty() {
   while (!empty()) {
     co_await moved_.wait_until(TimePoint::max());

@@ -39,6 +39,7 @@ class SdoLine {
   [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
 
   [[nodiscard]] bool empty() const noexcept { return places_.empty(); }
+  [[nodiscard]] bool held_by_transfer() const noexcept;
   boost::asio::awaitable<void> until_empty();
 
  private:
