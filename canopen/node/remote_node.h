@@ -10,7 +10,7 @@
 #include "canopen/error.h"
 #include "canopen/node/node_events.h"
 #include "canopen/node/node_settings.h"
-#include "canopen/node/still_stands.h"
+#include "canopen/still_stands.h"
 
 namespace canopen {
 

@@ -16,24 +16,9 @@ constexpr std::uint32_t kGeneralError = 0x08000000;
 
 }  // namespace
 
-/// The exchange that has the channel, where the frame handler finds it.
-class SdoClient::OnChannel {
- public:
-  OnChannel(SdoClient& client, SdoExchange& exchange) : client_(client) { client_.exchange_ = &exchange; }
-  ~OnChannel() { client_.exchange_ = nullptr; }
-  OnChannel(const OnChannel&) = delete;
-  OnChannel& operator=(const OnChannel&) = delete;
-
- private:
-  SdoClient& client_;
-};
-
 SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8_t node, SdoSettings settings)
-    : executor_(std::move(executor)),
-      bus_(bus),
-      node_(node),
-      settings_(settings),
-      line_(executor_, bus.sdo_budget()),
+    : channel_{std::move(executor), bus, node, settings},
+      line_(channel_.executor, bus.sdo_budget()),
       unanswered_(settings.timeout),
       subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
 
@@ -41,7 +26,7 @@ SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8
 
 boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries,
                                                     TimePoint due) {
-  SdoTransfer transfer = SdoTransfer::upload(settings_, object, byte_length(type));
+  SdoTransfer transfer = upload(object, byte_length(type));
   const Result<Bytes> bytes = co_await run(std::move(transfer), tries, due);
   if (bytes.has_error()) {
     co_return bytes.error();
@@ -56,7 +41,7 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
 
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
   SdoTransfer transfer = download(object, type, raw);
-  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
+  const Result<Bytes> done = co_await run(std::move(transfer), 1 + channel_.settings.retries, Clock::now());
   co_return done.has_error() ? Result<void>(done.error()) : Result<void>();
 }
 
@@ -70,7 +55,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
     if (!certain && !other && !transfer.is_upload()) {
       co_return error(ErrorKind::timeout, object, "not begun: earlier requests went unanswered");
     }
-    SdoExchange exchange(channel(), other ? upload(*other) : transfer, TransmitClass::sdo, TimePoint::max(),
+    SdoExchange exchange(channel_, other ? upload(*other) : transfer, TransmitClass::sdo, TimePoint::max(),
                          unanswered_.any());
     co_await carry_out(exchange);
     if (other && exchange.answered()) {
@@ -79,7 +64,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
     } else if (!exchange.gave_way() && (!exchange.timed_out() || --tries == 0)) {
       co_return result(exchange, object);
     }
-    bus_.sdo_budget().charge();
+    channel_.bus.sdo_budget().charge();
     // All tries together may take longer than a command has, and that command may be a stop.
     if (place.give_way()) {
       static_cast<void>(co_await place.wait_until(TimePoint::max()));
@@ -109,7 +94,7 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
     co_return error(ErrorKind::incomplete, object, "not begun: what it was made from has changed");
   }
   abort_.reset();  // Of a transfer before it: behind the command it could end that one.
-  SdoExchange exchange(channel(), download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());
+  SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());
   co_await carry_out(exchange);
   if (exchange.error() && exchange.error()->not_sent && place.verdict() != SdoLine::Verdict::mine) {
     co_return not_granted(place.verdict(), object);
@@ -157,8 +142,8 @@ boost::asio::awaitable<bool> SdoClient::prove(ObjectAddress object, TimePoint un
   if (!other) {
     co_return false;
   }
-  bus_.sdo_budget().charge();
-  SdoExchange exchange(channel(), upload(*other), TransmitClass::sdo, until, true);
+  channel_.bus.sdo_budget().charge();
+  SdoExchange exchange(channel_, upload(*other), TransmitClass::sdo, until, true);
   co_await carry_out(exchange);
   if (exchange.answered()) {
     unanswered_.clear();
@@ -167,8 +152,9 @@ boost::asio::awaitable<bool> SdoClient::prove(ObjectAddress object, TimePoint un
 }
 
 boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
-  const OnChannel on_channel(*this, exchange);
+  exchange_ = &exchange;
   co_await exchange.run();
+  exchange_ = nullptr;
   const ObjectAddress object = exchange.transfer().object();
   if (exchange.unanswered()) {
     answered_ = false;
@@ -214,30 +200,23 @@ void SdoClient::interrupt() {
   answered_ = false;
   abort_.reset();
   if (exchange_ != nullptr) {
-    exchange_->interrupt(interruption({}));  // It knows its object.
+    exchange_->interrupt(not_granted(SdoLine::Verdict::interrupted, {}));  // It knows its object.
   }
 }
 
 SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) const {
   std::array<std::uint8_t, 8> data{};
   const unsigned length = encode_raw(type, raw, data);
-  return SdoTransfer::download(settings_, object, std::span<const std::uint8_t>(data).first(length));
+  return SdoTransfer::download(channel_.settings, object, std::span<const std::uint8_t>(data).first(length));
 }
 
 void SdoClient::send_abort(const SdoFrame& abort) {
-  abort_ = bus_.send(TransmitClass::sdo, sdo_request_frame(node_, abort), Clock::now() + TransmitQueue::kLifeTime);
-}
-
-SdoExchange::Channel SdoClient::channel() const noexcept {
-  return {executor_, bus_, node_, settings_};
+  const Frame frame = sdo_request_frame(channel_.node, abort);
+  abort_ = channel_.bus.send(TransmitClass::sdo, frame, Clock::now() + TransmitQueue::kLifeTime);
 }
 
 Error SdoClient::error(ErrorKind kind, ObjectAddress object, std::string detail) const {
-  return {.kind = kind, .node = node_, .object = object, .detail = std::move(detail)};
-}
-
-Error SdoClient::interruption(ObjectAddress object) const {
-  return error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
+  return {.kind = kind, .node = channel_.node, .object = object, .detail = std::move(detail)};
 }
 
 Error SdoClient::not_granted(SdoLine::Verdict verdict, ObjectAddress object) const {
@@ -247,7 +226,7 @@ Error SdoClient::not_granted(SdoLine::Verdict verdict, ObjectAddress object) con
     case SdoLine::Verdict::withdrawn:
       return error(ErrorKind::offline, object, "withdrawn: the drive left operational, or is about to");
     default:
-      return interruption(object);
+      return error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
   }
 }
 

@@ -15,13 +15,13 @@
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
-#include "canopen/node/still_stands.h"
 #include "canopen/object.h"
 #include "canopen/sdo/exchange.h"
 #include "canopen/sdo/line.h"
 #include "canopen/sdo/sdo_settings.h"
 #include "canopen/sdo/transfer.h"
 #include "canopen/sdo/unanswered.h"
+#include "canopen/still_stands.h"
 
 namespace canopen {
 
@@ -61,7 +61,7 @@ class SdoClient {
   /// Upload of a basic type, tried again after a timeout. More bytes than it has: the lower ones count; fewer:
   /// `protocol`. `due`: when it was to be done; of all reads that wait for the budget of the bus the earliest is next.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now()) {
-    return read(object, type, 1 + settings_.retries, due);
+    return read(object, type, 1 + channel_.settings.retries, due);
   }
   /// The same, tried once: for finding out whether anybody is there.
   boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) {
@@ -91,7 +91,6 @@ class SdoClient {
   boost::asio::awaitable<void> until_idle() { return line_.until_empty(); }
 
  private:
-  class OnChannel;
   using Bytes = std::vector<std::uint8_t>;
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
@@ -102,26 +101,23 @@ class SdoClient {
 
   void on_frame(const Received& received);
   void on_end(const SdoTransfer& transfer);
-  [[nodiscard]] SdoExchange::Channel channel() const noexcept;
-  [[nodiscard]] SdoTransfer upload(ObjectAddress object) const { return SdoTransfer::upload(settings_, object, 0); }
+  [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = 0) const {
+    return SdoTransfer::upload(channel_.settings, object, expected);
+  }
   [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
   [[nodiscard]] Result<Bytes> result(const SdoExchange& exchange, ObjectAddress object) const;
   [[nodiscard]] Result<void> outcome(const SdoExchange& command, bool certain) const;
   void send_abort(const SdoFrame& abort);
   [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
-  [[nodiscard]] Error interruption(ObjectAddress object) const;
   [[nodiscard]] Error not_granted(SdoLine::Verdict verdict, ObjectAddress object) const;
 
-  boost::asio::any_io_executor executor_;
-  Bus& bus_;
-  std::uint8_t node_;
-  SdoSettings settings_;
+  SdoExchange::Channel channel_;
   AbortHandler abort_handler_;
   RemarkHandler remark_handler_;
 
   SdoLine line_;
-  SdoExchange* exchange_ = nullptr;
-  Ticket abort_;  ///< The newest abort of ours.
+  SdoExchange* exchange_ = nullptr;  ///< Under way.
+  Ticket abort_;                     ///< The newest abort of ours.
   Unanswered unanswered_;
   bool answered_ = false;
 

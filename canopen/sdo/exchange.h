@@ -23,13 +23,13 @@ namespace canopen {
 class SdoExchange {
  public:
   struct Channel {
-    const boost::asio::any_io_executor& executor;
+    boost::asio::any_io_executor executor;
     Bus& bus;
     std::uint8_t node;
-    const SdoSettings& settings;
+    SdoSettings settings;
   };
 
-  /// `transmit_class`: sdo or command. What `channel` names outlives the exchange. `late_possible`: see SdoTransfer.
+  /// `transmit_class`: sdo or command. `channel` outlives the exchange. `late_possible`: see SdoTransfer.
   SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitClass transmit_class, TimePoint deadline,
               bool late_possible);
   ~SdoExchange() = default;
@@ -66,7 +66,7 @@ class SdoExchange {
     return departure_ == Departure::withdrawn || departure_ == Departure::offline;
   }
 
-  Channel channel_;
+  const Channel& channel_;
   SdoTransfer transfer_;
   TransmitClass transmit_class_;
   TimePoint due_ = kNever;  ///< The next answer must be here by then; not known before the request has left.
