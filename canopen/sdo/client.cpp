@@ -51,14 +51,16 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   static_cast<void>(co_await place.wait_until(TimePoint::max()));
   bool certain = !unanswered_.contains(object);
   while (place.verdict() == SdoLine::Verdict::mine) {
-    const std::optional<ObjectAddress> other = certain ? std::nullopt : unanswered_.proof();
-    if (!certain && !other && !transfer.is_upload()) {
-      co_return error(ErrorKind::timeout, object, "not begun: earlier requests went unanswered");
+    const Unanswered::Proof proof = unanswered_.proof();
+    if (!certain && Clock::now() < proof.from) {
+      static_cast<void>(co_await place.step_aside(proof.from));
+      certain = !unanswered_.contains(object);
+      continue;
     }
-    SdoExchange exchange(channel_, other ? upload(*other) : transfer, TransmitClass::sdo, TimePoint::max(),
+    SdoExchange exchange(channel_, certain ? transfer : upload(proof.object), TransmitClass::sdo, TimePoint::max(),
                          unanswered_.any());
     co_await carry_out(exchange);
-    if (other && exchange.answered()) {
+    if (!certain && exchange.answered()) {
       certain = true;
       unanswered_.clear();
     } else if (!exchange.gave_way() && (!exchange.timed_out() || --tries == 0)) {
@@ -66,8 +68,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
     }
     channel_.bus.sdo_budget().charge();
     // All tries together may take longer than a command has, and that command may be a stop.
-    if (place.give_way()) {
-      static_cast<void>(co_await place.wait_until(TimePoint::max()));
+    if (co_await place.step_aside(Clock::now())) {
       certain = !unanswered_.contains(object);
     }
   }
@@ -138,12 +139,12 @@ boost::asio::awaitable<bool> SdoClient::prove(ObjectAddress object, TimePoint un
   if (!unanswered_.contains(object)) {
     co_return true;
   }
-  const std::optional<ObjectAddress> other = unanswered_.proof();
-  if (!other) {
+  const Unanswered::Proof proof = unanswered_.proof();
+  if (Clock::now() < proof.from) {
     co_return false;
   }
   channel_.bus.sdo_budget().charge();
-  SdoExchange exchange(channel_, upload(*other), TransmitClass::sdo, until, true);
+  SdoExchange exchange(channel_, upload(proof.object), TransmitClass::sdo, until, true);
   co_await carry_out(exchange);
   if (exchange.answered()) {
     unanswered_.clear();

@@ -77,16 +77,19 @@ boost::asio::awaitable<SdoLine::Verdict> SdoLine::Place::wait_until(TimePoint de
     co_return Verdict::late;
   }
   line_.holder_ = this;
+  ++line_.turns_;
   co_return Verdict::mine;
 }
 
-bool SdoLine::Place::give_way() {
-  if (line_.places_.front()->kind_ != Kind::command) {
-    return false;
-  }
+boost::asio::awaitable<bool> SdoLine::Place::step_aside(TimePoint until) {
+  const std::uint64_t turns = line_.turns_;
   line_.holder_ = nullptr;
   line_.moved_.notify();
-  return true;
+  while (verdict_ == Verdict::mine && Clock::now() < until) {
+    co_await line_.moved_.wait_until(until);
+  }
+  static_cast<void>(co_await wait_until(TimePoint::max()));
+  co_return line_.turns_ != turns + 1;
 }
 
 }  // namespace canopen

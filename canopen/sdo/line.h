@@ -51,6 +51,7 @@ class SdoLine {
   Place* holder_ = nullptr;  ///< Has the channel.
   Event moved_;              ///< Somebody left, gave way, may go, or was called off.
   std::uint64_t interruptions_ = 0;
+  std::uint64_t turns_ = 0;  ///< How often somebody got the channel.
 };
 
 /// A place in the line, as long as it lives.
@@ -63,8 +64,9 @@ class SdoLine::Place {
   Place& operator=(const Place&) = delete;
 
   boost::asio::awaitable<Verdict> wait_until(TimePoint deadline);
-  /// Lets the commands that wait go first, before the others; true where there were any: then it is to wait again.
-  bool give_way();
+  /// Lets commands go first, those that come until then, too. To be awaited by the one who has the channel; false
+  /// where nobody else had it meanwhile.
+  boost::asio::awaitable<bool> step_aside(TimePoint until);
   /// `mine` where it was not called off.
   [[nodiscard]] Verdict verdict() const noexcept { return verdict_; }
 

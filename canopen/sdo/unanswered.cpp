@@ -28,16 +28,16 @@ bool Unanswered::contains(ObjectAddress object) const noexcept {
                      [object](const Request& request) { return request.object == object; });
 }
 
-std::optional<ObjectAddress> Unanswered::proof() const noexcept {
+Unanswered::Proof Unanswered::proof() const noexcept {
   const auto* const fresh =
       std::find_if(kProofs.begin(), kProofs.end(), [this](ObjectAddress object) { return !contains(object); });
   if (fresh != kProofs.end()) {
-    return *fresh;
+    return {*fresh, TimePoint::min()};
   }
   const auto oldest = std::find_if(requests_.begin(), requests_.end(), [](const Request& request) {
     return std::find(kProofs.begin(), kProofs.end(), request.object) != kProofs.end();
   });
-  return Clock::now() - oldest->at < kLateTimeouts * timeout_ ? std::nullopt : std::optional(oldest->object);
+  return {oldest->object, oldest->at + kLateTimeouts * timeout_};
 }
 
 }  // namespace canopen

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "canopen/clock.h"
@@ -20,8 +19,11 @@ class Unanswered {
   void clear() noexcept { requests_.clear(); }
   [[nodiscard]] bool any() const noexcept { return !requests_.empty(); }
   [[nodiscard]] bool contains(ObjectAddress object) const noexcept;
-  /// The object to be read for a proof; nothing where an answer for it, too, might be a late one.
-  [[nodiscard]] std::optional<ObjectAddress> proof() const noexcept;
+  struct Proof {
+    ObjectAddress object;  ///< To be read.
+    TimePoint from;        ///< Before that an answer for it, too, may be a late one.
+  };
+  [[nodiscard]] Proof proof() const noexcept;
 
  private:
   struct Request {
