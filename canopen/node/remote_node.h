@@ -23,8 +23,8 @@
 #include "canopen/node/pdo.h"
 #include "canopen/node/restart.h"
 #include "canopen/node/rpdo_sender.h"
-#include "canopen/node/still_stands.h"
 #include "canopen/sdo/client.h"
+#include "canopen/still_stands.h"
 
 namespace canopen {
 

@@ -9,7 +9,6 @@ SdoLine::SdoLine(boost::asio::any_io_executor executor, SdoBudget& budget)
     : budget_(budget), moved_(std::move(executor)) {}
 
 void SdoLine::interrupt() {
-  ++interruptions_;
   for (Place* place : places_) {
     place->verdict_ = Verdict::interrupted;
   }
@@ -23,6 +22,10 @@ void SdoLine::withdraw_commands() {
     }
   }
   moved_.notify();
+}
+
+bool SdoLine::held_by_transfer() const noexcept {
+  return holder_ != nullptr && holder_->kind_ == Kind::transfer;
 }
 
 boost::asio::awaitable<void> SdoLine::until_empty() {
@@ -73,16 +76,19 @@ boost::asio::awaitable<SdoLine::Verdict> SdoLine::Place::wait_until(TimePoint de
     co_return Verdict::late;
   }
   line_.holder_ = this;
+  ++line_.turns_;
   co_return Verdict::mine;
 }
 
-bool SdoLine::Place::give_way() {
-  if (line_.places_.front()->kind_ != Kind::command) {
-    return false;
-  }
+boost::asio::awaitable<bool> SdoLine::Place::step_aside(TimePoint until) {
+  const std::uint64_t turns = line_.turns_;
   line_.holder_ = nullptr;
   line_.moved_.notify();
-  return true;
+  while (verdict_ == Verdict::mine && Clock::now() < until) {
+    co_await line_.moved_.wait_until(until);
+  }
+  static_cast<void>(co_await wait_until(TimePoint::max()));
+  co_return line_.turns_ != turns + 1;
 }
 
 }  // namespace canopen

@@ -36,9 +36,9 @@ class SdoLine {
   void interrupt();
   /// Calls off the commands that are in the line now.
   void withdraw_commands();
-  [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
 
   [[nodiscard]] bool empty() const noexcept { return places_.empty(); }
+  [[nodiscard]] bool held_by_transfer() const noexcept;
   boost::asio::awaitable<void> until_empty();
 
  private:
@@ -49,7 +49,7 @@ class SdoLine {
   std::deque<Place*> places_;
   Place* holder_ = nullptr;  ///< Has the channel.
   Event moved_;              ///< Somebody left, gave way, may go, or was called off.
-  std::uint64_t interruptions_ = 0;
+  std::uint64_t turns_ = 0;  ///< How often somebody got the channel.
 };
 
 /// A place in the line, as long as it lives.
@@ -62,8 +62,9 @@ class SdoLine::Place {
   Place& operator=(const Place&) = delete;
 
   boost::asio::awaitable<Verdict> wait_until(TimePoint deadline);
-  /// Lets the commands that wait go first, before the others; true where there were any: then it is to wait again.
-  bool give_way();
+  /// Lets commands go first, those that come until then, too. To be awaited by the one who has the channel; false
+  /// where nobody else had it meanwhile.
+  boost::asio::awaitable<bool> step_aside(TimePoint until);
   /// `mine` where it was not called off.
   [[nodiscard]] Verdict verdict() const noexcept { return verdict_; }
 
