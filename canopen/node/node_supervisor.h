@@ -14,9 +14,9 @@
 #include "canopen/event.h"
 #include "canopen/node/boot.h"
 #include "canopen/node/heartbeat_consumer.h"
+#include "canopen/node/outputs.h"
 #include "canopen/node/pdo.h"
 #include "canopen/node/remote_node.h"
-#include "canopen/node/rpdo_sender.h"
 #include "canopen/node/takeover.h"
 #include "canopen/sdo/client.h"
 
@@ -45,7 +45,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   [[nodiscard]] const NodeStatus& status() const noexcept { return status_; }
   [[nodiscard]] TimePoint heard_until() const;
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
-  [[nodiscard]] RpdoSender& rpdos() noexcept { return rpdos_; }
+  [[nodiscard]] Outputs& rpdos() noexcept { return rpdos_; }
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due);
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
@@ -145,7 +145,7 @@ class RemoteNode::Supervisor final : private NmtLine {
   Event changed_;  ///< Something was heard or asked for, or the phase turned.
   Event ended_;    ///< The coroutine or an operation ended.
   SdoClient sdo_;
-  RpdoSender rpdos_;
+  Outputs rpdos_;
   HeartbeatConsumer watch_;
   std::vector<Tpdo> tpdos_;
   std::vector<std::uint16_t> verified_tpdos_;
