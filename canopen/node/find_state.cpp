@@ -101,7 +101,7 @@ boost::asio::awaitable<FoundState> find_state(LifeContext context, std::function
     co_return sign.value_or(FoundState::unknown);
   }
   if (period.has_error() && period.error().kind != ErrorKind::refused) {
-    const bool asked = period.error().kind != ErrorKind::offline;
+    const bool asked = !period.error().not_sent && period.error().kind != ErrorKind::offline;
     co_return asked ? otherwise : FoundState::not_asked;
   }
   const auto heartbeat = std::chrono::milliseconds(period.has_value() ? period.value() : 0);

@@ -33,7 +33,7 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       changed_(executor_),
       ended_(executor_),
       sdo_(executor_, bus, settings_.node, settings_.sdo),
-      rpdos_(executor_, bus, settings_.node, settings_.rpdos),
+      outputs_(executor_, bus, settings_.node, settings_.rpdos),
       watch_(
           executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
           [this] { on_silence(); }, [this](TimePoint until) { return bus_.may_still_hear(until); }),
@@ -80,7 +80,7 @@ boost::asio::awaitable<void> RemoteNode::stop() {
     co_await ended_.wait_until(TimePoint::max());
   }
   co_await sdo_.until_idle();
-  co_await rpdos_.until_idle();
+  co_await outputs_.until_idle();
 }
 
 boost::asio::awaitable<void> RemoteNode::run() {

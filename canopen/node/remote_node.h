@@ -20,9 +20,9 @@
 #include "canopen/node/nmt_expectation.h"
 #include "canopen/node/node_events.h"
 #include "canopen/node/node_settings.h"
+#include "canopen/node/outputs.h"
 #include "canopen/node/pdo.h"
 #include "canopen/node/restart.h"
-#include "canopen/node/rpdo_sender.h"
 #include "canopen/sdo/client.h"
 #include "canopen/still_stands.h"
 
@@ -76,25 +76,25 @@ class RemoteNode {
   boost::asio::awaitable<std::optional<bool>> motor_runs();
 
   /// The RPDO that maps `object` (used as commanded); 0: none.
-  [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept { return rpdos_.rpdo_of(object); }
+  [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept { return outputs_.rpdo_of(object); }
   /// RPDO `number` can be sent: every field is in `fields`, known from earlier confirmed commands, or declared unused.
   [[nodiscard]] bool rpdo_complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept {
-    return rpdos_.complete(number, fields);
+    return outputs_.complete(number, fields);
   }
   /// Sends the RPDO with `fields` over what is known; confirmed by its departure. A field whose outcome is unknown
   /// counts as not commanded afterwards. `incomplete` where a field is missing.
   boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
                                                  TimePoint deadline);
   /// A confirmed SDO write: its field counts as commanded with this value.
-  void note_commanded(const ObjectValue& value) { rpdos_.note(value); }
+  void note_commanded(const ObjectValue& value) { outputs_.note(value); }
   /// A command of `object` goes by SDO now: an RPDO that is repeated must not undo it meanwhile.
-  void hold_repetition(ObjectAddress object) { rpdos_.hold(object); }
+  void hold_repetition(ObjectAddress object) { outputs_.hold(object); }
   /// Its field counts as not commanded (momentary value sent, or outcome unknown).
-  void forget_commanded(ObjectAddress object) { rpdos_.forget(object); }
+  void forget_commanded(ObjectAddress object) { outputs_.forget(object); }
   /// Nothing counts as commanded (fault, standstill, a command timeout that ends RPDOs). Boot-up, loss and leaving
   /// operational do it by themselves. `keep_repeating`: an RPDO that the drive supervises (event timer > 0) goes on
   /// being repeated unchanged, for a drive that came to a stop and would trip otherwise.
-  void void_rpdos(bool keep_repeating = false) { rpdos_.make_void(keep_repeating); }
+  void void_rpdos(bool keep_repeating = false) { outputs_.make_void(keep_repeating); }
 
  private:
   enum class Stage : std::uint8_t {
@@ -195,7 +195,7 @@ class RemoteNode {
   Event changed_;  ///< Something was heard or asked for, or the life is over.
   Event ended_;    ///< The coroutine or an operation ended.
   SdoClient sdo_;
-  RpdoSender rpdos_;
+  Outputs outputs_;
   HeartbeatConsumer watch_;
   std::vector<Tpdo> tpdos_;
   std::vector<std::uint16_t> verified_tpdos_;

@@ -88,7 +88,7 @@ boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number,
   if (!takes_commands()) {
     co_return offline_error({}, "the drive is not online and operational");
   }
-  co_return co_await rpdos_.send(number, std::move(fields), deadline);
+  co_return co_await outputs_.send(number, std::move(fields), deadline);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, TimePoint deadline) {
@@ -173,7 +173,7 @@ void RemoteNode::on_nmt_left(NmtCommand command) {
 }
 
 void RemoteNode::withdraw_commands() {
-  rpdos_.cease();
+  outputs_.cease();
   sdo_.withdraw_commands();
 }
 

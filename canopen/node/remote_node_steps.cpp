@@ -56,7 +56,7 @@ void RemoteNode::end_life(LifeEnd end) {
   stage_ = Stage::searching;
   verified_tpdos_.clear();
   sdo_.interrupt();
-  rpdos_.cease();
+  outputs_.cease();
   withdraw_nmt(false);
   changed_.notify();
 }

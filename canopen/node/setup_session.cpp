@@ -113,7 +113,7 @@ boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool 
 }
 
 BootFailure SetupSession::failure(const Error& error, std::string_view name) const {
-  if (error.kind == ErrorKind::offline || context_.life.over()) {
+  if (error.not_sent || error.kind == ErrorKind::offline || context_.life.over()) {
     return {.interrupted = true};
   }
   const bool silent = error.kind == ErrorKind::timeout && !answered_;

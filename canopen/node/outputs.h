@@ -4,8 +4,8 @@
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "canopen/bus/ticket.h"
@@ -23,21 +23,23 @@ class Bus;
 /// The RPDOs of one node: builds, sends and confirms them, one at a time, so that each is built on what the one before
 /// has left behind. An RPDO whose reception the node supervises (its event timer, CiA 301 §7.5.2.35) is repeated three
 /// times per event timer from its first departure on, as long as it is not void.
-class RpdoSender {
+class Outputs {
  public:
-  /// `bus` outlives the sender.
-  RpdoSender(const boost::asio::any_io_executor& executor, Bus& bus, std::uint8_t node,
-             std::span<const PdoSettings> rpdos);
+  /// `bus` outlives it.
+  Outputs(const boost::asio::any_io_executor& executor, Bus& bus, std::uint8_t node,
+          std::span<const PdoSettings> rpdos);
 
+  /// The RPDO that maps `object` as commanded; 0: none.
   [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept;
   [[nodiscard]] bool complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept;
   boost::asio::awaitable<Result<void>> send(std::uint16_t number, std::vector<ObjectValue> fields, TimePoint deadline);
-  /// A command of `object` goes by SDO now: its RPDO is not repeated until note(), or it would bring back the value of
-  /// before; a repetition that waits to leave is withdrawn. Repeated calls do not make the pause longer than one
-  /// period.
-  void hold(ObjectAddress object) noexcept;
-  void note(const ObjectValue& value) noexcept;
-  void forget(ObjectAddress object) noexcept;
+  /// A command of `object` goes by SDO now: its RPDO is not repeated before note(), or it would bring back the value of
+  /// before; a repetition that waits to leave is withdrawn. However many writes follow each other and however long one
+  /// takes, this keeps repetitions back by one period at most.
+  void hold(ObjectAddress object);
+  /// The SDO write is confirmed. A repetition that was kept back, or left with the value of before, follows at once.
+  void note(const ObjectValue& value);
+  void forget(ObjectAddress object);
 
   /// The node was lost, rebooted, left operational or is being removed: nothing is known, nothing repeated, and what
   /// waits to leave is withdrawn.
@@ -46,36 +48,36 @@ class RpdoSender {
   /// withdrawn; one whose fields were all given anew may go. `keep_repeating`: supervised RPDOs go on unchanged.
   void make_void(bool keep_repeating);
 
-  /// Returns once nothing is under way or waits; to be awaited after cease() before the sender goes.
+  /// Returns once nothing is under way or waits; to be awaited after cease() before it goes.
   boost::asio::awaitable<void> until_idle();
 
  private:
   class Turn;
   struct Entry {
+    Entry(Outputs& owner, const boost::asio::any_io_executor& executor, const PdoSettings& settings);
+
     Rpdo rpdo;
-    Rpdo blank;       ///< Never commanded: tells whether fields are complete by themselves.
-    Duration repeat;  ///< Zero: not repeated.
-    std::unique_ptr<WakeUp> repetition;
-    TimePoint held_until{};
-    Ticket repeated{};       ///< The newest repetition.
-    Frame repeated_frame{};  ///< What it holds.
+    Duration period;  ///< Of its repetition; zero: not repeated.
+    TimePoint due{};  ///< Of the next repetition.
+    /// Of the pause for SDO writes, which ends earlier when an RPDO has left. No time: no pause.
+    TimePoint pause_end{};
+    Ticket repetition{};  ///< The newest one since the last command or pause.
+    Frame repeated{};     ///< What it holds.
+    WakeUp wake_up;
   };
 
-  boost::asio::awaitable<Result<void>> transmit(Turn& turn, Entry& entry, std::vector<ObjectValue> fields,
-                                                TimePoint deadline);
+  boost::asio::awaitable<Result<void>> transmit(Turn& turn, std::span<const ObjectValue> fields, TimePoint deadline);
+  void on_due(Entry& entry);
   void repeat(Entry& entry);
   /// The one that waits for its RPDO's departure; nothing where none does.
   [[nodiscard]] Turn* under_way() const noexcept;
-  [[nodiscard]] Entry* find(std::uint16_t number) noexcept;
-  [[nodiscard]] const Entry* find(std::uint16_t number) const noexcept;
   [[nodiscard]] Error error(ErrorKind kind, std::string detail) const;
 
-  boost::asio::any_io_executor executor_;
   Bus& bus_;
   std::uint8_t node_;
-  std::vector<Entry> entries_;
+  std::deque<Entry> entries_;
   Event turn_event_;
-  std::deque<Turn*> users_;  ///< The first one sends.
+  std::deque<Turn*> turns_;  ///< The first one sends.
 };
 
 }  // namespace canopen
