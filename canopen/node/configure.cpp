@@ -31,7 +31,7 @@ void note(BootReport& report, const BootFailure& failure) {
 }
 
 struct IdentityItem {
-  BootResult letter;
+  BootResult letter = BootResult::other_device_type;
   ObjectAddress object;
   const char* name = "";
   std::optional<std::uint32_t> wanted;
