@@ -102,9 +102,9 @@ void check_cob_ids(const Model& model, const Tables& tables, Report& report) {
   std::map<std::pair<std::size_t, std::uint32_t>, PdoOwner> owners;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
     const Drive& drive = model.drives[i];
-    for (const auto* const pdos : {&drive.node.tpdos, &drive.node.rpdos}) {
+    for (const auto& [kind, pdos] :
+         {std::pair(SourceKind::tpdo, &drive.node.tpdos), std::pair(SourceKind::rpdo, &drive.node.rpdos)}) {
       for (const canopen::PdoSettings& pdo : *pdos) {
-        const SourceKind kind = pdos == &drive.node.rpdos ? SourceKind::rpdo : SourceKind::tpdo;
         const std::string name = to_text(Source{kind, pdo.number});
         const auto [owner, first] = owners.try_emplace({drive.bus, pdo.cob_id}, PdoOwner{i, name});
         const Drive& other = model.drives[owner->second.drive];
