@@ -81,7 +81,7 @@ class SdoClient {
   /// Fails the commands that have not left with `offline`. One that has left is awaited, and reads go on.
   void withdraw_commands();
   /// Grows with each interrupt(): a procedure of several transfers compares it to learn that it was interrupted.
-  [[nodiscard]] std::uint64_t interruptions() const noexcept { return line_.interruptions(); }
+  [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
 
   /// The newest transfer since the last interruption got an answer, were it an abort.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
@@ -108,8 +108,7 @@ class SdoClient {
   [[nodiscard]] Result<Bytes> result(const SdoExchange& exchange, ObjectAddress object) const;
   [[nodiscard]] Result<void> outcome(const SdoExchange& command, bool certain) const;
   void send_abort(const SdoFrame& abort);
-  [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
-  [[nodiscard]] Error not_granted(SdoLine::Verdict verdict, ObjectAddress object) const;
+  [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
   SdoExchange::Channel channel_;
   AbortHandler abort_handler_;
@@ -120,6 +119,7 @@ class SdoClient {
   Ticket abort_;                     ///< The newest abort of ours.
   Unanswered unanswered_;
   bool answered_ = false;
+  std::uint64_t interruptions_ = 0;
 
   Subscription subscription_;
 };
