@@ -70,7 +70,8 @@ boost::asio::awaitable<bool> SdoLine::Place::wait_until(TimePoint deadline) {
     co_await line_.moved_.wait_until(deadline);
   }
   if (!called_off_ && !line_.is_next(this)) {
-    called_off_ = Error{.kind = ErrorKind::timeout, .detail = "not begun: other SDO transfers held the channel"};
+    called_off_ = Error{
+        .kind = ErrorKind::timeout, .not_sent = true, .detail = "not begun: other SDO transfers held the channel"};
   }
   if (!called_off_) {
     line_.holder_ = this;
