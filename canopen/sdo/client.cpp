@@ -34,9 +34,10 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
   if (const std::optional<Raw> raw = decode_raw(type, bytes.value())) {
     co_return *raw;
   }
-  co_return error(ErrorKind::protocol, object,
-                  "answer has " + std::to_string(bytes.value().size()) + " bytes, type " + std::string(name_of(type)) +
-                      " needs " + std::to_string(byte_length(type)));
+  Error too_short{.kind = ErrorKind::protocol,
+                  .detail = "answer has " + std::to_string(bytes.value().size()) + " bytes, type " +
+                            std::string(name_of(type)) + " needs " + std::to_string(byte_length(type))};
+  co_return addressed(std::move(too_short), object);
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
@@ -50,7 +51,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   SdoLine::Place place(line_, SdoLine::Kind::transfer, due);
   static_cast<void>(co_await place.wait_until(TimePoint::max()));
   bool certain = !unanswered_.contains(object);
-  while (place.verdict() == SdoLine::Verdict::mine) {
+  while (!place.called_off()) {
     const Unanswered::Proof proof = unanswered_.proof();
     if (!certain && Clock::now() < proof.from) {
       static_cast<void>(co_await place.step_aside(proof.from));
@@ -72,7 +73,7 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
       certain = !unanswered_.contains(object);
     }
   }
-  co_return not_granted(place.verdict(), object);
+  co_return addressed(*place.called_off(), object);
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
@@ -81,27 +82,24 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
   if (exchange_ != nullptr && line_.held_by_transfer()) {
     exchange_->withdraw();  // What has not left, or takes many frames, must not hold back what may be a stop.
   }
-  const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
-  if (verdict != SdoLine::Verdict::mine) {
-    co_return not_granted(verdict, object);
+  if (!co_await place.wait_until(deadline)) {
+    co_return addressed(*place.called_off(), object);
   }
   // Half of its time at most: it may be a stop, and is sent to a silent drive, too.
   const TimePoint now = Clock::now();
   const bool certain = co_await prove(object, now + (deadline - now) / 2);
-  if (place.verdict() != SdoLine::Verdict::mine) {
-    co_return not_granted(place.verdict(), object);
+  if (place.called_off()) {
+    co_return addressed(*place.called_off(), object);
   }
   if (still_stands && !still_stands()) {
-    co_return error(ErrorKind::incomplete, object, "not begun: what it was made from has changed");
+    Error changed{.kind = ErrorKind::incomplete, .detail = "not begun: what it was made from has changed"};
+    co_return addressed(std::move(changed), object);
   }
   abort_.reset();  // Of a transfer before it: behind the command it could end that one.
   SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());
   co_await carry_out(exchange);
-  if (exchange.error() && exchange.error()->not_sent && place.verdict() != SdoLine::Verdict::mine) {
-    co_return not_granted(place.verdict(), object);
-  }
-  if (!certain && exchange.answered()) {
-    unanswered_.note(object);  // That was perhaps the answer to the earlier one, so ours is still to come.
+  if (exchange.error() && exchange.error()->not_sent && place.called_off()) {
+    co_return addressed(*place.called_off(), object);
   }
   co_return outcome(exchange, certain);
 }
@@ -122,10 +120,9 @@ Result<void> SdoClient::outcome(const SdoExchange& command, bool certain) const 
   const std::optional<Error>& failure = command.error();
   const bool refused = failure && failure->kind == ErrorKind::refused;
   if (!certain && (!failure || refused)) {
-    Error unclear =
-        error(ErrorKind::timeout, command.transfer().object(), "the answer may be that to an earlier request");
-    unclear.outcome_unknown = true;
-    return unclear;
+    Error unclear{
+        .kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "the answer may be that to an earlier request"};
+    return addressed(std::move(unclear), command.transfer().object());
   }
   if (!failure) {
     return {};
@@ -190,18 +187,20 @@ void SdoClient::on_end(const SdoTransfer& transfer) {
 }
 
 void SdoClient::withdraw_commands() {
-  line_.withdraw_commands();
+  line_.call_off_commands(
+      {.kind = ErrorKind::offline, .detail = "withdrawn: the drive left operational, or is about to"});
   if (exchange_ != nullptr && exchange_->is_command()) {
     exchange_->withdraw();
   }
 }
 
 void SdoClient::interrupt() {
-  line_.interrupt();
+  const Error why{.kind = ErrorKind::offline, .detail = "the drive was lost, rebooted or removed"};
+  line_.call_off(why);
   answered_ = false;
   abort_.reset();
   if (exchange_ != nullptr) {
-    exchange_->interrupt(not_granted(SdoLine::Verdict::interrupted, {}));  // It knows its object.
+    exchange_->interrupt(why);
   }
 }
 
@@ -216,19 +215,10 @@ void SdoClient::send_abort(const SdoFrame& abort) {
   abort_ = channel_.bus.send(TransmitClass::sdo, frame, Clock::now() + TransmitQueue::kLifeTime);
 }
 
-Error SdoClient::error(ErrorKind kind, ObjectAddress object, std::string detail) const {
-  return {.kind = kind, .node = channel_.node, .object = object, .detail = std::move(detail)};
-}
-
-Error SdoClient::not_granted(SdoLine::Verdict verdict, ObjectAddress object) const {
-  switch (verdict) {
-    case SdoLine::Verdict::late:
-      return error(ErrorKind::timeout, object, "not begun: other SDO transfers held the channel");
-    case SdoLine::Verdict::withdrawn:
-      return error(ErrorKind::offline, object, "withdrawn: the drive left operational, or is about to");
-    default:
-      return error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
-  }
+Error SdoClient::addressed(Error error, ObjectAddress object) const {
+  error.node = channel_.node;
+  error.object = object;
+  return error;
 }
 
 }  // namespace canopen

@@ -106,8 +106,7 @@ class SdoClient {
   [[nodiscard]] Result<Bytes> result(const SdoExchange& exchange, ObjectAddress object) const;
   [[nodiscard]] Result<void> outcome(const SdoExchange& command, bool certain) const;
   void send_abort(const SdoFrame& abort);
-  [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
-  [[nodiscard]] Error not_granted(SdoLine::Verdict verdict, ObjectAddress object) const;
+  [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
   SdoExchange::Channel channel_;
   AbortHandler abort_handler_;

@@ -110,6 +110,7 @@ TEST_F(SdoClientTest, CommandThatCannotBeginIsWithdrawn) {
   ASSERT_TRUE(writing.done());
   EXPECT_EQ(writing.get().error().kind, ErrorKind::timeout);
   EXPECT_FALSE(writing.get().error().outcome_unknown);
+  EXPECT_TRUE(writing.get().error().not_sent);
   loop_.advance(3s);
   EXPECT_TRUE(slave_.writes().empty());
 }
