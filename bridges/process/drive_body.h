@@ -52,12 +52,12 @@ class Drive::Body final : private canopen::NodeEvents, private Inputs::Listener 
   void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) override;
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) override;
   void on_frames_lost() override;
-  void on_remark(const std::string& text) override;
 
   // Inputs::Listener
   void on_values(SourceId source) override;
   void on_stale(SourceId source) override;
   void on_problems() override;
+  void on_remark(const std::string& text) override;  ///< Of both.
   void on_read_wanted() override;
 
   /// A signal that decides on alarms and on what may be sent again.

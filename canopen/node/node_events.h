@@ -50,7 +50,8 @@ class NodeEvents {
   virtual void on_arrival(Arrival arrival) = 0;
   /// Values in mapping order, dummies included as 0.
   virtual void on_tpdo(std::uint16_t number, std::span<const Raw> values, TimePoint at, WallTime wall) = 0;
-  /// A TPDO of another length: not decoded.
+  /// A TPDO of another length than its mapping. A shorter one is not decoded; of a longer one the first bytes count,
+  /// and on_tpdo() follows.
   virtual void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) = 0;
   virtual void on_emcy(const Emcy& emcy, TimePoint at, WallTime wall) = 0;
   /// Frames of this bus were lost before we read them: TPDO values are suspect until refreshed.
