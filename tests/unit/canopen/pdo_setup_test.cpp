@@ -188,5 +188,59 @@ TEST_F(PdoSetupTest, MappingAloneEnablesAlsoWhereOnlyTheLastStepWasMissing) {
   EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}}));
 }
 
+TEST_F(PdoSetupTest, VerifiedCommunicationIsEnabledWhereASetUpOfTheMappingLeftItDisabled) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::verify;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0xC0000185);
+  slave_.set({0x1A00, 0}, DataType::u8, 0);
+  boot(settings);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
+}
+
+TEST_F(PdoSetupTest, WhatIsVerifiedOnlyStaysDisabled) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::verify;
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0xC0000185);
+  boot(settings);
+  expect_letter('J', "TPDO1 COB-ID: expected 0x185, found 0xC0000185");
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
+TEST_F(PdoSetupTest, ARefusedParameterLeavesThePdoAsItWas) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.refuse_write({0x1800, 5}, 0x06090030);
+  boot(bench_settings());
+  expect_letter('J', "writing TPDO1 event timer = 0x64");
+  EXPECT_EQ(status().boot_text.find("switched off"), std::string::npos) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}, {0x1800, 5}, {0x1800, 1}}));
+}
+
+TEST_F(PdoSetupTest, ARefusedMappingSaysThatThePdoIsLeftSwitchedOff) {
+  install(bench_settings());
+  slave_.set({0x1A00, 2}, DataType::u32, 0x60430010);
+  slave_.refuse_write({0x1A00, 2}, 0x06040041);
+  boot(bench_settings());
+  expect_letter('J', "writing TPDO1 mapping = 0x60440010");
+  expect_letter('J', "; TPDO1 is left switched off");
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0xC0000185U);
+}
+
+TEST_F(PdoSetupTest, APdoThatCannotBeSwitchedOffIsNotSaidToBe) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.refuse_write({0x1800, 1}, 0x06010002);
+  boot(bench_settings());
+  expect_letter('J', "writing TPDO1 COB-ID = 0xC0000185");
+  EXPECT_EQ(status().boot_text.find("switched off"), std::string::npos) << status().boot_text;
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}}));
+}
+
 }  // namespace
 }  // namespace canopen
