@@ -37,14 +37,14 @@ class PdoSetup {
     PdoSetupOutcome outcome;
     outcome.failure = co_await compare();
     if (!outcome.failure && !difference_.empty()) {
-      if (session_.inspecting() || must_not_write_) {
-        outcome.failure = session_.difference(difference_);
-      } else {
+      if (may_write()) {
         outcome.failure = co_await apply();
-        if (!outcome.failure) {
-          outcome.failure = co_await confirm();
-        }
+      } else {
+        outcome.failure = session_.difference(difference_);
       }
+    }
+    if (outcome.failure && !outcome.failure->interrupted && switched_off_) {
+      co_await mend(*outcome.failure);
     }
     outcome.absent = absent_;
     outcome.timing_confirmed = timing_known_ && !outcome.failure;
@@ -63,6 +63,9 @@ class PdoSetup {
     Failure failure = compare_cob_id();
     if (!failure && pdo_.communication != SetupPolicy::assume) {
       failure = co_await compare_parameters();
+    }
+    if (!failure && pdo_.mapping_policy == SetupPolicy::write && !difference_.empty() && may_write()) {
+      failure = co_await switch_off();  // Some clear the mapping then, so it is looked at after that.
     }
     if (!failure && pdo_.mapping_policy != SetupPolicy::assume) {
       failure = co_await compare_mapping();
@@ -123,55 +126,67 @@ class PdoSetup {
     }
   }
 
-  // The order of CiA 301 §7.5.2.36: many devices refuse any change while the PDO is valid, some change the mapping's
-  // sub 0 to 0 by themselves meanwhile, and COB-IDs may be changed only while it is invalid.
-  boost::asio::awaitable<Failure> apply() {
-    Items items;
-    if (found_valid()) {
-      items.push_back(cob_id_item(cob_id_ | kInvalid));
-    }
-    if (mapping_differs_) {
-      const Items mapping = wanted_mapping();
-      items.push_back(mapping.front());
-      items.back().wanted = 0;
-      items.insert(items.end(), mapping.begin() + 1, mapping.end());
-      items.push_back(mapping.front());
-    }
-    items.insert(items.end(), parameters_.begin(), parameters_.end());
-    items.push_back(cob_id_item(enabled()));
-    bool switched_off = !found_valid();
-    for (const SetupItem& item : items) {
-      const Result<void> written = co_await session_.write(item.object, item.type, item.wanted);
-      if (written.has_error()) {
-        BootFailure failure = session_.failure(written.error(), "writing " + item.name + " = 0x" + hex(item.wanted, 1));
-        if (switched_off && !failure.interrupted) {
-          const bool mended = co_await mend(written.error());
-          failure.text += mended ? "" : "; " + name_ + " is left switched off";
-        }
-        co_return failure;
-      }
-      switched_off = true;
+  [[nodiscard]] bool may_write() const { return !session_.inspecting() && !must_not_write_; }
+
+  boost::asio::awaitable<Failure> write(const SetupItem& item) {
+    const Result<void> written = co_await session_.write(item.object, item.type, item.wanted);
+    if (written.has_error()) {
+      co_return session_.failure(written.error(), "writing " + item.name + " = 0x" + hex(item.wanted, 1));
     }
     co_return std::nullopt;
   }
 
-  /// Refused half-way: switches a PDO on again whose mapping is as it was. Of others people must know, for where its
-  /// settings are only verified or assumed later nothing else would do it.
-  boost::asio::awaitable<bool> mend(const Error& refusal) {
-    if (refusal.kind != ErrorKind::refused || mapping_differs_ || !found_valid()) {
-      co_return false;
+  boost::asio::awaitable<Failure> switch_off() {
+    Failure failure;
+    if (!switched_off_ && found_valid()) {
+      failure = co_await write(cob_id_item(cob_id_ | kInvalid));
     }
-    const SetupItem before = cob_id_item(cob_id_);
-    const Result<void> written = co_await session_.write(before.object, before.type, before.wanted);
-    co_return written.has_value();
+    switched_off_ = !failure;
+    co_return failure;
   }
 
-  /// Reads back what apply() wrote, and what a node may have changed by itself meanwhile.
+  // The order of CiA 301 §7.5.2.36: many devices refuse any change while the PDO is valid, some change the mapping's
+  // sub 0 to 0 by themselves meanwhile, and COB-IDs may be changed only while it is invalid.
+  boost::asio::awaitable<Failure> apply() {
+    Failure failure = co_await switch_off();
+    Items items = parameters_;
+    if (mapping_differs_) {
+      const Items mapping = wanted_mapping();
+      items.insert(items.begin(), mapping.begin(), mapping.end());
+      items.front().wanted = 0;
+      items.insert(items.begin() + static_cast<std::ptrdiff_t>(mapping.size()), mapping.front());
+    }
+    items.push_back(cob_id_item(enabled()));
+    for (std::size_t i = 0; !failure && i < items.size(); ++i) {
+      failure = co_await write(items[i]);
+    }
+    if (!failure) {
+      switched_off_ = false;
+      failure = co_await confirm();
+    }
+    co_return failure;
+  }
+
+  /// It failed half-way: switches a PDO on again whose mapping is as it was. Of others people must know, for where its
+  /// settings are only verified or assumed later nothing else would do it.
+  boost::asio::awaitable<void> mend(BootFailure& failure) {
+    bool left_off = true;
+    if (!mapping_differs_ && found_valid()) {
+      const Failure refused = co_await write(cob_id_item(cob_id_));
+      left_off = refused.has_value();
+    }
+    if (left_off) {
+      failure.text += "; " + name_ + " is left switched off";
+    }
+  }
+
+  /// Reads back what was written.
   boost::asio::awaitable<Failure> confirm() {
     Items items = parameters_;
     items.insert(items.begin(), cob_id_item(enabled()));
-    if (pdo_.mapping_policy != SetupPolicy::assume && !absent_) {
-      const Items mapping = wanted_mapping();  // Some clear the count when the PDO is switched off.
+    // One that is only verified was looked at before the PDO was switched off, and some clear the count then.
+    if (mapping_differs_ || (pdo_.mapping_policy == SetupPolicy::verify && !absent_)) {
+      const Items mapping = wanted_mapping();
       items.insert(items.end(), mapping.begin(), mapping_differs_ ? mapping.end() : mapping.begin() + 1);
     }
     for (const SetupItem& item : items) {
@@ -228,6 +243,7 @@ class PdoSetup {
   Raw cob_id_ = 0;    ///< Sub 1 as found.
   Items parameters_;  ///< Type and times that differ.
   bool mapping_differs_ = false;
+  bool switched_off_ = false;    ///< By us, or found so and begun with.
   bool timing_known_ = false;    ///< The node has all that decides when a TPDO comes.
   bool must_not_write_ = false;  ///< Something with policy verify differs.
   std::string difference_;       ///< The first one; empty: none.
