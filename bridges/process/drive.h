@@ -90,12 +90,12 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
   void on_start_ignored() override { reader_.check_errors(); }
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) override;
   void on_frames_lost() override;
-  void on_remark(const std::string& text) override;
 
   // Inputs::Listener
   void on_values(SourceId source) override;
   void on_stale(SourceId source) override;
   void on_problems() override;
+  void on_remark(const std::string& text) override;  ///< Of both.
   void on_read_wanted() override;
 
   /// A signal that decides on alarms and on what may be sent again.

@@ -47,7 +47,8 @@ class NodeEvents {
   virtual void on_arrival(Arrival arrival) = 0;
   /// Values in mapping order, dummies included as 0.
   virtual void on_tpdo(std::uint16_t number, std::span<const Raw> values, TimePoint at, WallTime wall) = 0;
-  /// A TPDO of another length: not decoded.
+  /// A TPDO of another length than its mapping. A shorter one is not decoded; of a longer one the first bytes count,
+  /// and on_tpdo() follows.
   virtual void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) = 0;
   /// NMT start left it as it was: an error may keep it from operational.
   virtual void on_start_ignored() {}

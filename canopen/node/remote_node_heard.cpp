@@ -171,12 +171,13 @@ void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
     }
     return;
   }
+  if (received.frame.size != tpdo.plan.byte_count()) {
+    events_.on_tpdo_length(tpdo.number, tpdo.plan.byte_count(), received.frame.size);
+  }
   std::array<Raw, kMaxPdoFields> values{};
   if (tpdo.plan.decode(received.frame.bytes(), values)) {
     events_.on_tpdo(tpdo.number, std::span<const Raw>(values).first(tpdo.plan.field_count()), received.at,
                     received.wall);
-  } else {
-    events_.on_tpdo_length(tpdo.number, tpdo.plan.byte_count(), received.frame.size);
   }
 }
 

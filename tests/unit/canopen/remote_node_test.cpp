@@ -50,12 +50,13 @@ TEST_F(RemoteNodeTest, FirstTpdoAfterTheStartProvesOperationalAndCounts) {
   EXPECT_EQ(status().nmt, NmtState::operational);
 }
 
-TEST_F(RemoteNodeTest, TpdoOfAnotherLengthIsNotDecoded) {
+TEST_F(RemoteNodeTest, OfALongerTpdoTheFirstBytesCountAndAShorterOneIsNotDecoded) {
   bring_online(bench_settings());
   slave_.send(0x185, {1, 2, 3});
   slave_.send(0x185, {1, 2, 3, 4, 5, 6});
   loop_.settle();
-  EXPECT_TRUE(events_.tpdos.empty());
+  ASSERT_EQ(events_.tpdos.size(), 1U);
+  EXPECT_EQ(events_.tpdos[0].second, (std::vector<Raw>{0x0201, 0x0403}));
   EXPECT_EQ(events_.wrong_lengths, (std::vector<std::pair<std::uint16_t, std::size_t>>{{1, 3}, {1, 6}}));
 }
 
