@@ -76,10 +76,9 @@ boost::asio::awaitable<Failure> set_up(Procedure& procedure, SetupItem item) {
   co_return std::move(outcome.failure);
 }
 
-/// 0x1017, and 0x1016 where the drive is to watch over us.
-boost::asio::awaitable<Failure> set_up_error_control(Procedure& procedure) {
-  const NodeSettings& settings = procedure.session.context().settings;
-  const ErrorControlSettings& control = settings.error_control;
+/// 0x1017.
+boost::asio::awaitable<Failure> set_up_heartbeat(Procedure& procedure) {
+  const ErrorControlSettings& control = procedure.session.context().settings.error_control;
   SetupItem producer{kProducerHeartbeat, DataType::u16,  milliseconds(control.heartbeat),
                      "heartbeat time",   control.policy, milliseconds(control.heartbeat_timeout)};
   const TimePoint begun = Clock::now();
@@ -88,6 +87,14 @@ boost::asio::awaitable<Failure> set_up_error_control(Procedure& procedure) {
   if (procedure.session.written() != written) {
     procedure.heartbeat_from = begun;
   }
+  co_return failure;
+}
+
+/// The same, and 0x1016 where the drive is to watch over us.
+boost::asio::awaitable<Failure> set_up_error_control(Procedure& procedure) {
+  const NodeSettings& settings = procedure.session.context().settings;
+  const ErrorControlSettings& control = settings.error_control;
+  Failure failure = co_await set_up_heartbeat(procedure);
   if (failure || control.supervise_gateway <= Duration::zero() || settings.gateway_node == 0) {
     co_return failure;
   }
@@ -146,11 +153,16 @@ boost::asio::awaitable<Failure> await_heartbeat(const Procedure& procedure) {
 /// Before the first write to a node of unknown state: error control that will tell it, or a motor that stands.
 boost::asio::awaitable<Failure> learn_before_writing(Procedure& procedure) {
   const LifeContext& context = procedure.session.context();
+  Failure failure = co_await check_identity(procedure.session, context.settings.identity);
+  if (failure) {
+    co_return failure;
+  }
   const bool guarding_off = co_await guarding_is_off(context);
-  Failure failure;
   if (guarding_off && expects_heartbeat(context.settings) &&
       context.settings.error_control.policy == SetupPolicy::write) {
-    failure = co_await set_up_error_control(procedure);
+    procedure.session.note_half_done(false);  // Its heartbeat alone is no configuration.
+    failure = co_await set_up_heartbeat(procedure);
+    procedure.session.note_half_done(true);
     if (!failure) {
       failure = co_await await_heartbeat(procedure);
     }

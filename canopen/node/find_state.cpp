@@ -6,22 +6,18 @@
 
 #include "canopen/bus/bus.h"
 #include "canopen/communication_objects.h"
+#include "canopen/node/heartbeat_consumer.h"
 #include "canopen/node/setup_session.h"
 #include "canopen/sdo/client.h"
 
 namespace canopen {
 namespace {
 
-constexpr std::uint32_t kErrorControl = 0x700;  // CiA 301 table 75.
-
 using Sign = std::optional<FoundState>;
 
 Sign sign_of(const Heard& heard) noexcept {
-  if (heard.boot_up) {
-    return FoundState::not_operational;
-  }
   if (!heard.state) {
-    return std::nullopt;
+    return heard.boot_up ? Sign(FoundState::not_operational) : std::nullopt;
   }
   switch (*heard.state) {
     case NmtState::operational:
@@ -36,7 +32,7 @@ Sign sign_of(const Heard& heard) noexcept {
 /// Waits for a sign; with `or_tpdo` a TPDO ends it, too.
 boost::asio::awaitable<Sign> listen(LifeContext context, Duration time, bool or_tpdo) {
   const TimePoint until = Clock::now() + time;
-  while (!sign_of(context.heard) && !(or_tpdo && context.heard.tpdo) && !context.life.over() &&
+  while (!sign_of(context.heard) && !(or_tpdo && context.heard.tpdo_at) && !context.life.over() &&
          context.bus.may_still_hear(until)) {
     co_await context.life.wait_until(or_soon(until));
   }
@@ -49,7 +45,7 @@ boost::asio::awaitable<Sign> ask_by_guarding(LifeContext context) {
     co_return std::nullopt;
   }
   Frame request;
-  request.id = kErrorControl + context.settings.node;
+  request.id = kErrorControlBase + context.settings.node;
   request.size = 1;
   request.remote = true;
   context.heard.guarding_asked = true;
@@ -88,21 +84,23 @@ boost::asio::awaitable<bool> guarding_is_off(LifeContext context) {
   co_return true;
 }
 
-boost::asio::awaitable<FoundState> find_state(LifeContext context, std::function<void(std::string)> tell) {
+boost::asio::awaitable<FoundState> find_state(LifeContext context, const std::function<void(std::string)>& tell) {
   const ErrorControlSettings& control = context.settings.error_control;
   Sign sign = co_await listen(context, control.heartbeat_timeout, true);
   if (sign || context.life.over()) {
     co_return sign.value_or(FoundState::unknown);
   }
-  const FoundState otherwise = context.heard.tpdo ? FoundState::operational : FoundState::silent;
+  const FoundState otherwise = context.heard.tpdo_at ? FoundState::operational : FoundState::silent;
   const Result<Raw> period = co_await context.sdo.probe(kProducerHeartbeat, DataType::u16);
   sign = sign_of(context.heard);
   if (sign || context.life.over()) {
     co_return sign.value_or(FoundState::unknown);
   }
-  if (period.has_error() && period.error().kind != ErrorKind::refused) {
-    const bool asked = !period.error().not_sent && period.error().kind != ErrorKind::offline;
-    co_return asked ? otherwise : FoundState::not_asked;
+  if (period.has_error() && (period.error().not_sent || period.error().kind == ErrorKind::offline)) {
+    co_return FoundState::not_asked;
+  }
+  if (period.has_error() && period.error().kind == ErrorKind::timeout) {
+    co_return otherwise;
   }
   const auto heartbeat = std::chrono::milliseconds(period.has_value() ? period.value() : 0);
   if (heartbeat > Duration::zero()) {
@@ -110,13 +108,13 @@ boost::asio::awaitable<FoundState> find_state(LifeContext context, std::function
       tell(slow_heartbeat_text(heartbeat));
     }
     // Where we listened that long already, none will come.
-    const bool listened = !context.heard.tpdo && heartbeat <= control.heartbeat_timeout;
+    const bool listened = !context.heard.tpdo_at && heartbeat <= control.heartbeat_timeout;
     const Duration enough = std::max<Duration>(heartbeat + heartbeat / 2, control.heartbeat_timeout);
     sign = co_await listen(context, listened ? Duration::zero() : enough, false);
   } else if (control.has_guarding) {
     sign = co_await ask_by_guarding(context);
   }
-  co_return sign.value_or(context.heard.tpdo ? FoundState::operational : FoundState::unknown);
+  co_return sign.value_or(context.heard.tpdo_at ? FoundState::operational : FoundState::unknown);
 }
 
 }  // namespace canopen

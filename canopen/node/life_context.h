@@ -16,7 +16,7 @@ class SdoClient;
 /// What was heard of a node since its last boot-up, loss, reset, or return of the bus.
 struct Heard {
   bool boot_up = false;                     ///< A boot-up message that no configuration has answered yet.
-  bool tpdo = false;                        ///< Whether that means operational depends on its error control.
+  std::optional<TimePoint> tpdo_at{};       ///< The newest TPDO. Whether it means operational error control decides.
   std::optional<NmtState> state{};          ///< Of the newest heartbeat or guarding answer.
   std::optional<TimePoint> heartbeat_at{};  ///< The newest heartbeat.
   bool guarding_asked = false;              ///< A guarding request has left: the next message is its answer.

@@ -5,14 +5,12 @@
 namespace canopen {
 
 void NmtExpectation::begin_anew() noexcept {
-  wish_ = Wish::none;
-  operational_ = false;
-  settled_at_ = TimePoint{};
+  *this = NmtExpectation(settling_);
 }
 
 void NmtExpectation::give(NmtCommand command, TimePoint until) noexcept {
   if (command == NmtCommand::stop || command == NmtCommand::pre_operational) {
-    wish_ = wish_ == Wish::left ? Wish::left : Wish::held;
+    hold();
     settled_at_ = until + settling_;
   }
 }
@@ -22,25 +20,36 @@ void NmtExpectation::leave(NmtCommand command, TimePoint now) noexcept {
   switch (command) {
     case NmtCommand::start:
       wish_ = Wish::operational;
+      operational_ = true;  // What it tells next may be from before a stop that follows.
+      ignore_until_ = {};
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:
-      wish_ = wish_ == Wish::left ? Wish::left : Wish::held;
+      hold();
       break;
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
-      wish_ = Wish::anew;
+      wish_ = Wish::none;
+      ignore_until_ = settled_at_;
       break;
   }
 }
 
-void NmtExpectation::give_for_configuration(TimePoint until) noexcept {
-  wish_ = Wish::anew;
-  settled_at_ = until + settling_;
+void NmtExpectation::begin_boot() noexcept {
+  if (wish_ == Wish::operational) {
+    wish_ = Wish::none;
+  }
 }
 
-void NmtExpectation::release() noexcept {
-  wish_ = Wish::none;
+void NmtExpectation::interrupt_for_boot(TimePoint until) noexcept {
+  settled_at_ = until + settling_;
+  ignore_until_ = settled_at_;
+}
+
+void NmtExpectation::want_start() noexcept {
+  if (!may_start()) {
+    wish_ = Wish::none;
+  }
 }
 
 StateMeaning NmtExpectation::hear(NmtState state, TimePoint at) noexcept {
@@ -55,21 +64,16 @@ StateMeaning NmtExpectation::hear_operational(TimePoint at) noexcept {
     return StateMeaning::from_before;
   }
   const bool was_operational = std::exchange(operational_, true);
-  if (wish_ == Wish::operational) {
+  const bool may_cross_a_stop = wish_ == Wish::held && was_operational && at < settled_at_;
+  if (wish_ == Wish::operational || may_cross_a_stop) {
     return StateMeaning::usual;
   }
-  if (wish_ == Wish::held && was_operational && at < settled_at_) {
-    return StateMeaning::usual;  // The stop may still be on its way.
-  }
-  wish_ = Wish::operational;
-  return StateMeaning::started;
+  return std::exchange(wish_, Wish::operational) == Wish::left ? StateMeaning::started_again : StateMeaning::started;
 }
 
 StateMeaning NmtExpectation::hear_other(TimePoint at) noexcept {
   operational_ = false;
-  if (wish_ == Wish::anew) {
-    wish_ = Wish::none;  // That was the reset, whether or not a boot-up message told of it.
-  }
+  ignore_until_ = {};
   if (wish_ != Wish::operational || at < settled_at_) {
     return StateMeaning::usual;
   }

@@ -9,10 +9,11 @@ namespace canopen {
 
 /// What a heard NMT state means.
 enum class StateMeaning : std::uint8_t {
-  usual,        ///< As before, or as was commanded.
-  from_before,  ///< From before the reset that we commanded: to be ignored.
-  started,      ///< Operational, and not by a command of ours.
-  left          ///< No longer operational, and not by a command of ours.
+  usual,          ///< As before, or as was commanded.
+  from_before,    ///< From before a command of ours that it follows by now: to be ignored.
+  started,        ///< Operational, and not by a command of ours.
+  started_again,  ///< Likewise, after it had left by itself.
+  left            ///< No longer operational, and not by a command of ours.
 };
 
 /// Which NMT state a node should be in by what was commanded and heard, and what another one means. A plain value: who
@@ -29,19 +30,22 @@ class NmtExpectation {
   void give(NmtCommand command, TimePoint until) noexcept;
   /// It has left, or may have.
   void leave(NmtCommand command, TimePoint now) noexcept;
-  /// The node is made pre-operational for its configuration, by a command that leaves at the latest at `until`: what it
-  /// tells before it shows is from before.
-  void give_for_configuration(TimePoint until) noexcept;
-  /// What kept the node from being started does not count any more.
-  void release() noexcept;
+
+  /// It is about to be configured, or a start of ours left it as it was: that it was started does not count any more.
+  /// That it is not to be started does.
+  void begin_boot() noexcept;
+  /// It is made pre-operational for that, by a command that leaves at the latest at `until`.
+  void interrupt_for_boot(TimePoint until) noexcept;
+  /// Somebody asks us to start it, or it left only what he had begun: nothing keeps it from being started.
+  void want_start() noexcept;
 
   /// The node tells its state; `unknown` means nothing.
   StateMeaning hear(NmtState state, TimePoint at) noexcept;
 
-  /// What comes now may be from before the reset that we commanded.
-  [[nodiscard]] bool from_before(TimePoint at) const noexcept { return wish_ == Wish::anew && at < settled_at_; }
+  /// What comes now may be from before a command of ours.
+  [[nodiscard]] bool from_before(TimePoint at) const noexcept { return at < ignore_until_; }
   /// Neither stopped by command, nor has it left operational by itself.
-  [[nodiscard]] bool may_start() const noexcept { return wish_ != Wish::held && wish_ != Wish::left; }
+  [[nodiscard]] bool may_start() const noexcept { return wish_ == Wish::none || wish_ == Wish::operational; }
   [[nodiscard]] bool left_by_itself() const noexcept { return wish_ == Wish::left; }
   [[nodiscard]] bool held_by_command() const noexcept { return wish_ == Wish::held; }
   /// From then on a state that is not as commanded means something.
@@ -52,7 +56,6 @@ class NmtExpectation {
  private:
   enum class Wish : std::uint8_t {
     none,         ///< Nothing was commanded since it began.
-    anew,         ///< It is about to begin anew, by a reset or for its configuration.
     operational,  ///< Started, by whomever.
     held,         ///< Stopped or made pre-operational by command.
     left          ///< It left operational by itself.
@@ -60,11 +63,13 @@ class NmtExpectation {
 
   StateMeaning hear_operational(TimePoint at) noexcept;
   StateMeaning hear_other(TimePoint at) noexcept;
+  void hold() noexcept { wish_ = wish_ == Wish::left ? Wish::left : Wish::held; }
 
   Duration settling_;
   Wish wish_ = Wish::none;
-  bool operational_ = false;  ///< The newest state heard.
+  bool operational_ = false;  ///< The newest state heard, or commanded.
   TimePoint settled_at_{};
+  TimePoint ignore_until_{};  ///< `operational` told before then, and before any other state, is from before.
 };
 
 }  // namespace canopen

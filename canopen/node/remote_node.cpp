@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <exception>
+#include <functional>
 #include <utility>
 
 #include "canopen/bus/bus.h"
@@ -63,7 +64,7 @@ void RemoteNode::start() {
 void RemoteNode::close() {
   closing_ = true;
   if (stage_ != Stage::serving) {
-    end_life(LifeEnd::removed);
+    end_life();
   }
 }
 
@@ -72,8 +73,8 @@ boost::asio::awaitable<void> RemoteNode::stop() {
   stopping_ = true;
   subscriptions_.clear();
   watch_.suspend();
-  end_life(LifeEnd::removed);
-  withdraw_nmt(true);
+  end_life();
+  withdraw_nmt(NmtGroup::all);
   status_.online = false;
   settle_start_requests(offline_error({}, "removed while it was booted"));
   while (running_ || operations_ > 0) {
@@ -123,7 +124,7 @@ boost::asio::awaitable<void> RemoteNode::live(Life& life) {
     settle_start_requests({});
     co_await serve(life);
   } else {
-    co_await stay_away(life, std::move(report));
+    co_await wait_for_retry(life, std::move(report));
   }
 }
 
@@ -138,12 +139,8 @@ boost::asio::awaitable<void> RemoteNode::bus_up(Life& life) {
 }
 
 boost::asio::awaitable<FoundState> RemoteNode::find(Life& life) {
-  if (!heartbeat_is_fresh()) {
-    heard_.state.reset();
-    heard_.heartbeat_at.reset();
-    heard_.by_guarding = false;
-  }
-  const auto tell = [this](std::string text) {
+  forget_stale_signs();
+  const std::function<void(std::string)> tell = [this](std::string text) {
     change_status([&text](NodeStatus& status) { status.boot_text = std::move(text); });
   };
   const FoundState found = co_await find_state(context(life), tell);
@@ -183,21 +180,20 @@ boost::asio::awaitable<BootReport> RemoteNode::take_over(LifeContext context) {
   co_return report;
 }
 
+/// Configures it and starts it, where nothing speaks against a start. What it is told to be meanwhile ends the life.
 boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundState found) {
   enter(Stage::configuring);
-  for (StartRequest* request : start_requests_) {
-    request->begun = true;
-  }
+  expectation_.begin_boot();
   BootReport report;
   // A stopped node answers no SDO; an operational one refuses most settings.
   if (found == FoundState::stopped || found == FoundState::operational) {
-    report.interrupted = !co_await make_pre_operational();
+    report.interrupted = !co_await make_pre_operational(context);
   }
   if (!report.interrupted) {
     report = co_await configure(context, found);
   }
   if (report.letter == BootResult::not_configured && co_await started_itself(context)) {
-    report.interrupted = !co_await make_pre_operational();
+    report.interrupted = !co_await make_pre_operational(context);
     if (!report.interrupted) {
       report = co_await configure(context, FoundState::not_operational);
     }
@@ -206,37 +202,55 @@ boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundSt
     co_return report;
   }
   accept(report);
-  if (expectation_.may_start()) {
-    co_return co_await start_node(context);
+  if (!start_requests_.empty()) {
+    expectation_.want_start();
   }
-  go_online(Arrival::booted);  // Configured, and held back from starting.
-  co_return report;
+  if (expectation_.held_by_command()) {
+    go_online(Arrival::booted);  // Configured, and held back from starting.
+    co_return report;
+  }
+  co_return co_await start_node(context);
 }
 
 boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
-  enter(Stage::starting);
   BootReport report;
+  if (expectation_.left_by_itself()) {
+    report.text = co_await why_not_to_restart(context);
+    report.letter = report.text.empty() ? BootResult::ok : BootResult::not_configured;
+    if (context.life.over() || !report.ok()) {
+      co_return report;
+    }
+  }
+  enter(Stage::starting);
   const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime, true);
-  if (left.has_error() || context.life.over()) {
-    report.interrupted = true;
+  if (context.life.over()) {
     co_return report;
   }
-  expectation_.leave(NmtCommand::start, Clock::now());
-  settle_start_requests({});
-  if (!expects_heartbeat(settings_)) {
-    heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
-    go_online(Arrival::booted);
+  if (left.has_value()) {
+    expectation_.leave(NmtCommand::start, Clock::now());
+    settle_start_requests({});
+    if (!expects_heartbeat(settings_)) {
+      heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
+      go_online(Arrival::booted);
+    }
+    const TimePoint until = expectation_.settled_at();
+    while (stage_ == Stage::starting && !context.life.over() && bus_.may_still_hear(until)) {
+      co_await context.life.wait_until(or_soon(until));
+    }
   }
-  const TimePoint until = expectation_.settled_at();
-  while (stage_ == Stage::starting && !context.life.over() && bus_.may_still_hear(until)) {
-    co_await context.life.wait_until(or_soon(until));
+  if (stage_ != Stage::starting || context.life.over()) {
+    co_return report;
   }
-  if (stage_ == Stage::starting && !context.life.over()) {
-    expectation_.release();
+  if (expectation_.held_by_command()) {
+    go_online(Arrival::booted);  // A stop has come before it, or behind it.
+  } else if (left.has_error()) {
+    report.interrupted = true;
+  } else {
+    expectation_.begin_boot();
+    events_.on_start_ignored();
     report.letter = BootResult::not_configured;
     report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt));
     report.text += co_await error_text(context);
-    events_.on_start_ignored();
   }
   co_return report;
 }
@@ -258,10 +272,13 @@ boost::asio::awaitable<void> RemoteNode::stay_silent(Life& life) {
   co_await pause(life, Clock::now() + kProbeInterval);
 }
 
-/// It waits for another try, or for somebody to put it right.
-boost::asio::awaitable<void> RemoteNode::stay_away(Life& life, BootReport report) {
+/// For another try, or for somebody to put it right.
+boost::asio::awaitable<void> RemoteNode::wait_for_retry(Life& life, BootReport report) {
   enter(Stage::waiting);
   const bool told_by_itself = report.letter == BootResult::left_alone && !heard_.by_guarding;
+  if (expectation_.left_by_itself() && restart_.at() == kNever) {
+    restart_.put_off(Clock::now());  // It did not go well.
+  }
   if (is_letter(report.letter)) {
     Error refused = offline_error({}, std::string(text_of(report.letter)) + ": " + report.text);
     refused.kind = ErrorKind::refused;
@@ -282,7 +299,9 @@ boost::asio::awaitable<void> RemoteNode::hold_back(Life& life, FoundState found)
     status.configured = false;
     if (expectation_.left_by_itself()) {
       note_left_by_itself(status);
-    } else if (found == FoundState::stopped && !expectation_.held_by_command()) {
+    } else if (expectation_.held_by_command()) {
+      note_not_booted(status);
+    } else if (found == FoundState::stopped) {
       status.boot_result = BootResult::not_configured;
       status.boot_text = "it was found stopped; it is left so until an NMT start command or its boot-up";
     }

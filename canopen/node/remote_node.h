@@ -112,10 +112,10 @@ class RemoteNode {
     PdoPlan plan;
   };
   class NmtSending;
+  enum class NmtGroup : std::uint8_t { all, starts, of_this_life };
   class Operation;
   /// An NMT start command that waits for the boot or the look that it asked for.
   struct StartRequest {
-    bool begun = false;
     std::optional<Result<void>> result;
   };
   /// NMT commands of a boot that have not left by then are given up; the boot is tried again.
@@ -131,23 +131,25 @@ class RemoteNode {
   boost::asio::awaitable<BootReport> start_node(LifeContext context);
   boost::asio::awaitable<void> serve(Life& life);
   boost::asio::awaitable<void> stay_silent(Life& life);
-  boost::asio::awaitable<void> stay_away(Life& life, BootReport report);
+  boost::asio::awaitable<void> wait_for_retry(Life& life, BootReport report);
   boost::asio::awaitable<void> hold_back(Life& life, FoundState found);
   static boost::asio::awaitable<void> pause(Life& life, TimePoint until);
 
   // Its steps.
   [[nodiscard]] LifeContext context(Life& life) { return {bus_, sdo_, settings_, heard_, half_done_, life}; }
-  [[nodiscard]] bool to_be_held(FoundState found) const;
+  [[nodiscard]] bool to_be_held(FoundState found);
   [[nodiscard]] bool heartbeat_is_fresh() const;
+  void forget_stale_signs();
   void enter(Stage stage);
   /// Ends the life: what was queued for it is withdrawn, what is pending fails as offline, RPDOs are void.
-  void end_life(LifeEnd end);
+  void end_life();
   void accept(const BootReport& report);
   void go_online(Arrival arrival);
-  boost::asio::awaitable<bool> make_pre_operational();
+  boost::asio::awaitable<bool> make_pre_operational(const LifeContext& context);
   /// It went operational by itself after its boot-up, and its motor stands: it may be made pre-operational.
   boost::asio::awaitable<bool> started_itself(const LifeContext& context);
   boost::asio::awaitable<std::string> error_text(const LifeContext& context);
+  boost::asio::awaitable<std::string> why_not_to_restart(const LifeContext& context);
   boost::asio::awaitable<void> restart_if_due(Life& life);
   void note_left_by_itself(NodeStatus& status) const;
   void note_out_of_service();
@@ -162,8 +164,8 @@ class RemoteNode {
   void on_boot_up(TimePoint at);
   void on_heartbeat(NmtState state, TimePoint at);
   void on_guarding_answer(NmtState state, TimePoint at);
-  void take_state(NmtState state, StateMeaning meaning, bool had_left);
-  void take_state_in_service(StateMeaning meaning, bool had_left, bool left_operational);
+  void take_state(NmtState state, StateMeaning meaning);
+  [[nodiscard]] bool ends_life(NmtState state, StateMeaning meaning, bool left_operational) const;
   void tell_state(NmtState state, StateMeaning meaning);
   void on_tpdo(const Tpdo& tpdo, const Received& received);
   void on_emcy(const Received& received);
@@ -177,7 +179,8 @@ class RemoteNode {
   /// Sends an NMT command. `of_this_life`: it is withdrawn when the life ends, for it could start a node that was not
   /// configured since its boot-up.
   boost::asio::awaitable<Result<void>> transmit_nmt(NmtCommand command, TimePoint deadline, bool of_this_life);
-  void withdraw_nmt(bool all);
+  void withdraw_nmt(NmtGroup which);
+  [[nodiscard]] Error withdrawn_error() const;
   /// No command that has not begun may reach a node that is not operational any more.
   void withdraw_commands();
   void on_nmt_left(NmtCommand command);
@@ -207,6 +210,7 @@ class RemoteNode {
   std::string half_done_;
   bool self_start_due_ = false;  ///< It has rebooted, and was not made pre-operational since (self_starting).
   Restart restart_;
+  bool restarting_ = false;  ///< The next life is for that.
   std::string hold_reason_;  ///< Why it was not started again when it was tried.
   bool running_ = false;
   bool closing_ = false;

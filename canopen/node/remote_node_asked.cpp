@@ -17,6 +17,7 @@ class RemoteNode::NmtSending {
   NmtSending(RemoteNode& owner, NmtCommand command, TimePoint deadline, bool of_this_life)
       : owner_(owner),
         transmission_(owner.bus_, TransmitClass::nmt, nmt_frame(command, owner.settings_.node), deadline),
+        starts_(command == NmtCommand::start),
         of_this_life_(of_this_life) {
     owner_.nmt_sendings_.push_back(this);
   }
@@ -30,11 +31,14 @@ class RemoteNode::NmtSending {
     transmission_.withdraw();
   }
   [[nodiscard]] bool withdrawn() const noexcept { return withdrawn_; }
-  [[nodiscard]] bool of_this_life() const noexcept { return of_this_life_; }
+  [[nodiscard]] bool is_of(NmtGroup group) const noexcept {
+    return group == NmtGroup::starts ? starts_ : of_this_life_;
+  }
 
  private:
   RemoteNode& owner_;
   Transmission transmission_;
+  bool starts_;
   bool of_this_life_;
   bool withdrawn_ = false;
 };
@@ -103,20 +107,26 @@ boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, Tim
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, TimePoint deadline) {
+  const bool starts = command == NmtCommand::start;
   const NmtExpectation before = expectation_;
+  const Restart restart_before = restart_;
   expectation_.give(command, deadline);
   const NmtExpectation given = expectation_;
-  if (command != NmtCommand::start) {
+  if (!starts) {
+    restart_.end();
+    withdraw_nmt(NmtGroup::starts);
     sdo_.withdraw_commands();  // Of the same queue, and behind it.
   }
   // A stop or a reset may also reach a node that has rebooted meanwhile.
-  Result<void> left = co_await transmit_nmt(command, deadline, command == NmtCommand::start);
-  if (stopping_) {
-    co_return left;
+  NmtSending sending(*this, command, deadline, starts);
+  Result<void> left = co_await sending.result();
+  if (stopping_ || (starts && sending.withdrawn())) {
+    co_return left.has_error() && !left.error().outcome_unknown ? withdrawn_error() : left;
   }
   if (left.has_error() && !left.error().outcome_unknown) {
     if (expectation_ == given) {
       expectation_ = before;
+      restart_ = restart_before;
     }
     Error not_sent = left.error();
     not_sent.node = settings_.node;
@@ -134,16 +144,12 @@ boost::asio::awaitable<std::optional<bool>> RemoteNode::motor_runs() {
 boost::asio::awaitable<Result<void>> RemoteNode::transmit_nmt(NmtCommand command, TimePoint deadline,
                                                               bool of_this_life) {
   NmtSending sending(*this, command, deadline, of_this_life);
-  Result<void> left = co_await sending.result();
-  if (left.has_error() && !left.error().outcome_unknown && sending.withdrawn()) {
-    co_return offline_error({}, "withdrawn: the drive was lost, rebooted or removed");
-  }
-  co_return left;
+  co_return co_await sending.result();
 }
 
-void RemoteNode::withdraw_nmt(bool all) {
+void RemoteNode::withdraw_nmt(NmtGroup which) {
   for (NmtSending* sending : nmt_sendings_) {
-    if (all || sending->of_this_life()) {
+    if (which == NmtGroup::all || sending->is_of(which)) {
       sending->withdraw();
     }
   }
@@ -156,14 +162,19 @@ void RemoteNode::on_nmt_left(NmtCommand command) {
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:
+      heard_.tpdo_at.reset();
       withdraw_commands();
       break;
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
       // What follows is a boot-up, even where the drive sends no message of it.
       heard_ = Heard{};
+      half_done_.clear();
+      hold_reason_.clear();
+      restart_.begin_anew();
+      self_start_due_ = true;
       watch_.suspend();
-      end_life(LifeEnd::reset);
+      end_life();
       change_status([](NodeStatus& status) {
         note_not_booted(status);
         status.nmt = NmtState::unknown;
@@ -182,34 +193,23 @@ bool RemoteNode::takes_commands() const {
   return stage_ == Stage::serving && status_.nmt == NmtState::operational && expectation_.may_start();
 }
 
+/// Or another look. Not where it is served and did what it was told, or is about to be started anyhow.
 bool RemoteNode::start_needs_boot() const {
-  switch (stage_) {
-    case Stage::serving:
-      return expectation_.left_by_itself();  // It may have rebooted unseen.
-    case Stage::starting:
-      return false;
-    case Stage::waiting:
-      return true;  // Where it runs it is looked at again.
-    default:
-      return heard_.state != NmtState::operational;
-  }
+  return stage_ == Stage::serving ? expectation_.left_by_itself() : stage_ != Stage::starting;
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::start_by_boot(TimePoint deadline) {
   if (status_.lost) {
     co_return offline_error({}, "the drive is silent; it is booted and started when it appears");
   }
-  const NmtExpectation before = expectation_;
-  expectation_.release();
-  const NmtExpectation released = expectation_;
-  restart_.begin_anew();
   StartRequest request;
   start_requests_.push_back(&request);
+  restart_.begin_anew();
   if (stage_ == Stage::serving) {
     change_status([](NodeStatus& status) { note_not_booted(status); });
   }
-  if (stage_ != Stage::searching && stage_ != Stage::configuring) {
-    end_life(LifeEnd::wanted);
+  if (stage_ != Stage::searching && stage_ != Stage::configuring && stage_ != Stage::inspecting) {
+    end_life();
   }
   while (!request.result && Clock::now() < deadline) {
     co_await changed_.wait_until(deadline);
@@ -218,13 +218,11 @@ boost::asio::awaitable<Result<void>> RemoteNode::start_by_boot(TimePoint deadlin
   if (request.result) {
     co_return *request.result;
   }
-  Error error = offline_error({}, "the drive is still being booted, which ends with NMT start");
+  Error error = offline_error({}, "not begun: the drive's state was not known in time");
   error.kind = ErrorKind::timeout;
-  error.outcome_unknown = true;
-  if (!request.begun && expectation_ == released && start_requests_.empty()) {
-    expectation_ = before;
-    error.outcome_unknown = false;
-    error.detail = "not begun: the drive's state was not known in time";
+  if (stage_ == Stage::configuring || stage_ == Stage::starting) {
+    error.outcome_unknown = true;
+    error.detail = "the drive is still being booted, which ends with NMT start";
   }
   co_return error;
 }
@@ -235,6 +233,10 @@ void RemoteNode::settle_start_requests(const Result<void>& result) {
   }
   start_requests_.clear();
   changed_.notify();
+}
+
+Error RemoteNode::withdrawn_error() const {
+  return offline_error({}, "withdrawn: the drive was lost, rebooted or removed, or a stop came");
 }
 
 Error RemoteNode::offline_error(ObjectAddress object, std::string detail) const {

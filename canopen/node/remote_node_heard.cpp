@@ -11,10 +11,9 @@
 namespace canopen {
 namespace {
 
-// CiA 301 table 74 and 75.
+// CiA 301 tables 74 and 75.
 constexpr std::uint32_t kNmt = 0x000;
 constexpr std::uint32_t kEmcyBase = 0x080;
-constexpr std::uint32_t kErrorControlBase = 0x700;
 
 }  // namespace
 
@@ -57,7 +56,7 @@ void RemoteNode::on_boot_up(TimePoint at) {
   half_done_.clear();
   self_start_due_ = true;
   watch_.suspend();
-  end_life(LifeEnd::boot_up);
+  end_life();
   change_status([at](NodeStatus& status) {
     note_not_booted(status);
     status.nmt = NmtState::initialising;
@@ -70,7 +69,6 @@ void RemoteNode::on_boot_up(TimePoint at) {
 
 void RemoteNode::on_heartbeat(NmtState state, TimePoint at) {
   status_.last_heartbeat = at;
-  const bool had_left = expectation_.left_by_itself();
   const StateMeaning meaning = expectation_.hear(state, at);
   if (meaning == StateMeaning::from_before) {
     return;
@@ -84,18 +82,17 @@ void RemoteNode::on_heartbeat(NmtState state, TimePoint at) {
       watch_.watch(at);
     }
   }
-  take_state(state, meaning, had_left);
+  take_state(state, meaning);
 }
 
 void RemoteNode::on_guarding_answer(NmtState state, TimePoint at) {
   heard_.guarding_asked = false;
   heard_.by_guarding = true;
   status_.last_heartbeat = at;
-  const bool had_left = expectation_.left_by_itself();
-  take_state(state, expectation_.hear(state, at), had_left);
+  take_state(state, expectation_.hear(state, at));
 }
 
-void RemoteNode::take_state(NmtState state, StateMeaning meaning, bool had_left) {
+void RemoteNode::take_state(NmtState state, StateMeaning meaning) {
   const bool operational = state == NmtState::operational;
   const bool left_operational = status_.nmt == NmtState::operational && !operational && state != NmtState::unknown;
   if (state != NmtState::unknown) {
@@ -103,10 +100,10 @@ void RemoteNode::take_state(NmtState state, StateMeaning meaning, bool had_left)
     heard_.boot_up = heard_.boot_up && !operational;
   }
   if (meaning == StateMeaning::left && !half_done_.empty()) {
-    expectation_.release();  // Somebody had started it while it was being configured; that goes on now.
+    expectation_.want_start();  // Somebody had started it while it was being configured; that goes on now.
     meaning = StateMeaning::usual;
   }
-  if (stage_ == Stage::starting && operational) {
+  if (stage_ == Stage::starting && operational && meaning == StateMeaning::usual) {
     go_online(Arrival::booted);
     return;
   }
@@ -117,26 +114,36 @@ void RemoteNode::take_state(NmtState state, StateMeaning meaning, bool had_left)
   if (state != NmtState::unknown) {
     tell_state(state, meaning);
   }
-  if (stage_ == Stage::serving) {
-    take_state_in_service(meaning, had_left, left_operational);
-  } else if (stage_ == Stage::silent) {
-    end_life(LifeEnd::heard);
-  } else if (meaning == StateMeaning::started && stage_ != Stage::searching) {
-    end_life(LifeEnd::started);  // Nothing more is written to it; it is looked at as it runs.
-  } else if (left_operational && (stage_ == Stage::inspecting || stage_ == Stage::waiting)) {
-    end_life(LifeEnd::left);
+  if (ends_life(state, meaning, left_operational)) {
+    note_out_of_service();
+    end_life();
+  } else if (stage_ == Stage::serving && left_operational) {
+    withdraw_commands();
   }
   changed_.notify();
 }
 
-void RemoteNode::take_state_in_service(StateMeaning meaning, bool had_left, bool left_operational) {
-  if (meaning == StateMeaning::started && had_left) {
-    // Somebody else started it. It may have rebooted unseen when it left, so its settings are looked at again.
-    note_out_of_service();
-    end_life(LifeEnd::started);
-  } else if (left_operational) {
-    withdraw_commands();
+/// What was begun with the node cannot go on.
+bool RemoteNode::ends_life(NmtState state, StateMeaning meaning, bool left_operational) const {
+  const bool started = meaning == StateMeaning::started || meaning == StateMeaning::started_again;
+  switch (stage_) {
+    case Stage::searching:
+      return false;
+    case Stage::silent:
+      return true;
+    case Stage::serving:
+      // It may have rebooted unseen when it left, so its settings are looked at again.
+      return meaning == StateMeaning::started_again;
+    case Stage::configuring:
+      return started || state == NmtState::stopped;  // Nothing more is written to it; stopped it answers nothing.
+    case Stage::starting:
+    case Stage::held:
+      return started;
+    case Stage::inspecting:
+    case Stage::waiting:
+      return started || left_operational;
   }
+  return false;
 }
 
 void RemoteNode::tell_state(NmtState state, StateMeaning meaning) {
@@ -153,15 +160,13 @@ void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
   if (expectation_.from_before(received.at)) {
     return;
   }
-  heard_.tpdo = true;
-  if (stage_ == Stage::silent) {
-    end_life(LifeEnd::heard);
-  } else if (stage_ == Stage::starting) {
-    heard_.state = NmtState::operational;  // Whoever sends TPDOs is operational (CiA 301 table 37).
-    go_online(Arrival::booted);
-  } else if (stage_ == Stage::configuring && !expects_heartbeat(settings_) && !heard_.heartbeat_at) {
-    // Somebody started it; no error control will tell.
-    take_state(NmtState::operational, expectation_.hear(NmtState::operational, received.at), false);
+  heard_.tpdo_at = received.at;
+  const bool nothing_else_tells = !expects_heartbeat(settings_) && !heard_.heartbeat_at;
+  if (stage_ == Stage::starting || (stage_ == Stage::configuring && nothing_else_tells)) {
+    // Whoever sends TPDOs is operational (CiA 301 table 37).
+    take_state(NmtState::operational, expectation_.hear(NmtState::operational, received.at));
+  } else if (stage_ == Stage::silent) {
+    end_life();
   } else if (stage_ == Stage::searching) {
     changed_.notify();
   }
@@ -193,6 +198,7 @@ void RemoteNode::on_foreign_nmt(const Received& received) {
   const std::span<const std::uint8_t> bytes = received.frame.bytes();
   if (bytes.size() >= 2 && (bytes[1] == 0 || bytes[1] == settings_.node)) {
     restart_.hear_foreign_nmt();
+    self_start_due_ = false;  // Who started it is not known.
     if (expectation_.left_by_itself()) {
       change_status([this](NodeStatus& status) { note_left_by_itself(status); });
     }
@@ -206,7 +212,8 @@ void RemoteNode::on_silence() {
   if (stage_ != Stage::searching) {
     // A search goes on: it asks the node at its end.
     heard_ = Heard{};
-    end_life(LifeEnd::lost);
+    half_done_.clear();
+    end_life();
   }
   change_status([was_heard](NodeStatus& status) {
     status.online = false;
@@ -226,7 +233,9 @@ void RemoteNode::on_silence() {
 void RemoteNode::on_bus_state(const BusState& state) {
   if (!state.up()) {
     heard_ = Heard{};
-    end_life(LifeEnd::bus_down);
+    half_done_.clear();
+    expectation_.begin_boot();  // It may reboot unseen.
+    end_life();
     change_status([](NodeStatus& status) {
       note_not_booted(status);
       status.nmt = NmtState::unknown;

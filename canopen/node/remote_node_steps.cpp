@@ -12,11 +12,13 @@
 
 namespace canopen {
 
-bool RemoteNode::to_be_held(FoundState found) const {
-  if (found == FoundState::stopped) {
-    return start_requests_.empty();  // Somebody stopped it; nothing of it is known to have begun anew.
+bool RemoteNode::to_be_held(FoundState found) {
+  const bool restarting = std::exchange(restarting_, false);
+  if (found == FoundState::operational || !start_requests_.empty()) {
+    return false;
   }
-  return found != FoundState::operational && expectation_.left_by_itself();
+  // Somebody stopped it; nothing of it is known to have begun anew.
+  return found == FoundState::stopped || (expectation_.left_by_itself() && !restarting);
 }
 
 void RemoteNode::enter(Stage stage) {
@@ -32,7 +34,7 @@ void RemoteNode::enter(Stage stage) {
       break;
     case Stage::inspecting:
     case Stage::waiting:
-      if (heard_.by_guarding) {
+      if (heard_.by_guarding || (!heard_.heartbeat_at && !heard_.tpdo_at)) {
         watch_.suspend();  // Nothing comes unasked; it is asked again.
       } else if (stage == Stage::waiting || !watch_.watching()) {
         watch_.watch(now);
@@ -49,20 +51,32 @@ void RemoteNode::enter(Stage stage) {
   }
 }
 
-void RemoteNode::end_life(LifeEnd end) {
+void RemoteNode::end_life() {
   if (life_ != nullptr) {
-    life_->end(end);
+    life_->end();
   }
   stage_ = Stage::searching;
   verified_tpdos_.clear();
   sdo_.interrupt();
   outputs_.cease();
-  withdraw_nmt(false);
+  withdraw_nmt(NmtGroup::of_this_life);
   changed_.notify();
 }
 
 bool RemoteNode::heartbeat_is_fresh() const {
   return heard_.heartbeat_at && Clock::now() - *heard_.heartbeat_at <= settings_.error_control.heartbeat_timeout;
+}
+
+void RemoteNode::forget_stale_signs() {
+  const TimePoint oldest = Clock::now() - settings_.error_control.heartbeat_timeout;
+  if (!heartbeat_is_fresh()) {
+    heard_.state.reset();
+    heard_.heartbeat_at.reset();
+    heard_.by_guarding = false;
+  }
+  if (heard_.tpdo_at && *heard_.tpdo_at < oldest) {
+    heard_.tpdo_at.reset();
+  }
 }
 
 void RemoteNode::accept(const BootReport& report) {
@@ -92,17 +106,25 @@ void RemoteNode::go_online(Arrival arrival) {
 }
 
 /// False where the command could not leave, or the life is over.
-boost::asio::awaitable<bool> RemoteNode::make_pre_operational() {
+boost::asio::awaitable<bool> RemoteNode::make_pre_operational(const LifeContext& context) {
   const TimePoint deadline = Clock::now() + kNmtTime;
   const NmtExpectation before = expectation_;
-  expectation_.give_for_configuration(deadline);
+  expectation_.interrupt_for_boot(deadline);
+  const NmtExpectation given = expectation_;
   const Result<void> left = co_await transmit_nmt(NmtCommand::pre_operational, deadline, true);
-  if (left.has_error()) {
-    expectation_ = before;
+  if (context.life.over()) {
     co_return false;
   }
-  expectation_.give_for_configuration(Clock::now());
+  if (left.has_error() && !left.error().outcome_unknown) {
+    if (expectation_ == given) {
+      expectation_ = before;
+    }
+    co_return false;
+  }
+  self_start_due_ = false;
+  expectation_.interrupt_for_boot(Clock::now());
   heard_.state.reset();
+  heard_.tpdo_at.reset();
   co_return true;
 }
 
@@ -110,9 +132,8 @@ boost::asio::awaitable<bool> RemoteNode::started_itself(const LifeContext& conte
   if (!settings_.self_starting || !self_start_due_ || context.life.over()) {
     co_return false;
   }
-  self_start_due_ = false;
   const std::optional<bool> running = co_await motor_runs();
-  co_return running == false && !context.life.over();
+  co_return running == false && self_start_due_ && !context.life.over();
 }
 
 /// What the node says of its errors, where it says something.
@@ -129,27 +150,36 @@ boost::asio::awaitable<std::string> RemoteNode::error_text(const LifeContext& co
   co_return text;
 }
 
+/// What speaks against starting a node that left operational by itself; what is told of it then. Empty: nothing.
+boost::asio::awaitable<std::string> RemoteNode::why_not_to_restart(const LifeContext& context) {
+  std::string reason = co_await why_not_to_start(sdo_, settings_.motor);
+  if (context.life.over() || !expectation_.left_by_itself()) {
+    co_return std::string();
+  }
+  hold_reason_ = std::move(reason);
+  if (hold_reason_.empty() && !restart_.foreign_nmt()) {
+    co_return std::string();
+  }
+  restart_.put_off(Clock::now());
+  change_status([this](NodeStatus& status) { note_left_by_itself(status); });
+  co_return status_.boot_text;
+}
+
+/// Begins it: the motor is looked at before the first write, and again before the start.
 boost::asio::awaitable<void> RemoteNode::restart_if_due(Life& life) {
   if (life.over() || Clock::now() < restart_.at()) {
     co_return;
   }
-  std::string reason = co_await why_not_to_start(sdo_, settings_.motor);
-  if (life.over()) {
+  const std::string against = co_await why_not_to_restart(context(life));
+  if (life.over() || !against.empty()) {
     co_return;
   }
-  if (!expectation_.left_by_itself()) {
-    restart_.end();
-    co_return;
+  restart_.end();
+  if (expectation_.left_by_itself()) {
+    restarting_ = true;
+    note_out_of_service();
+    end_life();
   }
-  hold_reason_ = std::move(reason);
-  if (!hold_reason_.empty()) {
-    restart_.put_off(Clock::now());
-    change_status([this](NodeStatus& status) { note_left_by_itself(status); });
-    co_return;
-  }
-  expectation_.release();
-  note_out_of_service();
-  end_life(LifeEnd::restart);
 }
 
 void RemoteNode::note_left_by_itself(NodeStatus& status) const {

@@ -50,7 +50,10 @@ boost::asio::awaitable<Result<void>> SetupSession::write(ObjectAddress object, D
   if (context_.life.over()) {
     co_return interruption();
   }
-  context_.half_done = std::to_string(++written_) + " objects were written, the last " + to_string(object);
+  ++written_;
+  if (half_done_noted_) {
+    context_.half_done = std::to_string(written_) + " objects were written, the last " + to_string(object);
+  }
   co_return co_await context_.sdo.write(object, type, raw);
 }
 
@@ -93,7 +96,6 @@ boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
 
 boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool readable) {
   SetupOutcome outcome;
-  outcome.written = true;
   const Result<void> written = co_await write(item.object, item.type, item.wanted);
   if (written.has_error()) {
     outcome.failure = failure(written.error(), item.name);

@@ -40,9 +40,8 @@ struct SetupItem {
 struct SetupOutcome {
   std::optional<BootFailure> failure;
   bool confirmed = false;  ///< The node showed this value; false where it has no such object or was not asked.
-  bool written = false;
-  bool absent = false;  ///< The node has no such object.
-  std::string remark;   ///< For the log; empty: none.
+  bool absent = false;     ///< The node has no such object.
+  std::string remark;      ///< For the log; empty: none.
 };
 
 /// CiA 301 abort codes that mean: the node has no such object or sub-index.
@@ -59,10 +58,11 @@ class SetupSession {
   [[nodiscard]] const LifeContext& context() const noexcept { return context_; }
   /// How many objects were written, or may have been.
   [[nodiscard]] unsigned written() const noexcept { return written_; }
+  void note_half_done(bool note) noexcept { half_done_noted_ = note; }
   [[nodiscard]] bool inspecting() const noexcept { return purpose_ == SetupPurpose::inspect; }
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
-  /// What is written is noted as half done.
+  /// What is written is noted as half done, unless that is switched off.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
   /// Reads, compares, writes if it differs and may be written, and reads back. An object that the node lacks is no
   /// failure, nor is one that can only be written: while inspecting nobody can tell, so it counts as it should be.
@@ -79,6 +79,7 @@ class SetupSession {
   LifeContext context_;
   SetupPurpose purpose_;
   unsigned written_ = 0;
+  bool half_done_noted_ = true;
   bool answered_ = false;
 };
 

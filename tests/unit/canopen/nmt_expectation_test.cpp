@@ -28,8 +28,9 @@ enum class Event : std::uint8_t {
   stop_given,
   stop_left,
   reset_left,
-  configuration_given,
-  released,
+  boot_begun,
+  interrupted_for_boot,
+  start_wanted,
   settled  ///< The settling time passes.
 };
 
@@ -61,10 +62,12 @@ class Story {
         return expectation.leave(NmtCommand::stop, now_);
       case Event::reset_left:
         return expectation.leave(NmtCommand::reset_node, now_);
-      case Event::configuration_given:
-        return expectation.give_for_configuration(now_);
-      case Event::released:
-        return expectation.release();
+      case Event::boot_begun:
+        return expectation.begin_boot();
+      case Event::interrupted_for_boot:
+        return expectation.interrupt_for_boot(now_);
+      case Event::start_wanted:
+        return expectation.want_start();
       case Event::settled:
         now_ += kSettling + 800ms;
         return;
@@ -101,14 +104,14 @@ TEST(NmtExpectation, SaysWhatAHeardStateMeans) {
       {"it leaves by itself", {operational}, pre_operational, StateMeaning::left, false},
       {"it is stopped by somebody else", {operational}, stopped, StateMeaning::left, false},
       {"it stays away", {operational, pre_operational}, pre_operational, StateMeaning::usual, false},
-      {"somebody starts what had left", {operational, pre_operational}, operational, StateMeaning::started, true},
+      {"somebody starts what had left", {operational, pre_operational}, operational, StateMeaning::started_again, true},
       {"a boot-up ends what had left",
        {operational, pre_operational, boot_up},
        pre_operational,
        StateMeaning::usual,
        true},
       {"a start command ends what had left",
-       {operational, pre_operational, released},
+       {operational, pre_operational, start_wanted},
        pre_operational,
        StateMeaning::usual,
        true},
@@ -136,16 +139,50 @@ TEST(NmtExpectation, SaysWhatAHeardStateMeans) {
       {"a slow one", {operational, reset_left, operational, settled}, pre_operational, StateMeaning::usual, true},
       {"it does not obey our reset", {operational, reset_left, settled}, operational, StateMeaning::started, true},
       {"a message from before its configuration",
-       {operational, configuration_given},
+       {operational, boot_begun, interrupted_for_boot},
        operational,
        StateMeaning::from_before,
        true},
-      {"it is to be configured", {operational, configuration_given}, pre_operational, StateMeaning::usual, true},
+      {"it is to be configured",
+       {operational, boot_begun, interrupted_for_boot},
+       pre_operational,
+       StateMeaning::usual,
+       true},
       {"started while it is configured",
-       {operational, configuration_given, pre_operational},
+       {operational, boot_begun, interrupted_for_boot, pre_operational},
        operational,
        StateMeaning::started,
        true},
+      {"what we stopped stays so through a boot",
+       {operational, stop_left, boot_begun, interrupted_for_boot},
+       pre_operational,
+       StateMeaning::usual,
+       false},
+      {"what had left stays so through a boot",
+       {operational, pre_operational, boot_begun},
+       pre_operational,
+       StateMeaning::usual,
+       false},
+      {"a stop behind a start that is not obeyed",
+       {boot_up, start_left, stop_left, settled, boot_begun},
+       pre_operational,
+       StateMeaning::usual,
+       false},
+      {"a message from between start and stop",
+       {boot_up, start_left, stop_left},
+       operational,
+       StateMeaning::usual,
+       false},
+      {"a start that is not obeyed",
+       {boot_up, start_left, settled, boot_begun},
+       pre_operational,
+       StateMeaning::usual,
+       true},
+      {"a start wanted of what runs changes nothing",
+       {operational, start_wanted},
+       pre_operational,
+       StateMeaning::left,
+       false},
       {"a number that is no state", {operational}, unknown, StateMeaning::usual, true},
   };
   for (const Case& entry : cases) {

@@ -84,7 +84,8 @@ TEST_F(PdoSetupTest, AVerifiedMappingThatTheDriveClearsItselfIsNoticed) {
     }
   });
   boot(settings);
-  expect_letter(BootResult::not_configured, "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
+  expect_letter(BootResult::not_configured,
+                "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
 }
 
 TEST_F(PdoSetupTest, InvalidPdoWithAnotherCobIdIsCorrected) {
