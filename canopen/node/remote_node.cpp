@@ -214,7 +214,8 @@ boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundSt
 
 boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
   BootReport report;
-  if (expectation_.left_by_itself()) {
+  const NmtExpectation before = expectation_;
+  if (before.left_by_itself()) {
     report.text = co_await why_not_to_restart(context);
     report.letter = report.text.empty() ? BootResult::ok : BootResult::not_configured;
     if (context.life.over() || !report.ok()) {
@@ -247,6 +248,9 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
     report.interrupted = true;
   } else {
     expectation_.begin_boot();
+    if (before.left_by_itself()) {
+      expectation_ = before;  // The next try, too, looks at the motor first.
+    }
     events_.on_start_ignored();
     report.letter = BootResult::not_configured;
     report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt));

@@ -114,6 +114,7 @@ boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, Ti
   const NmtExpectation given = expectation_;
   if (!starts) {
     restart_.end();
+    settle_start_requests(withdrawn_error());  // It was the older wish.
     withdraw_nmt(NmtGroup::starts);
     sdo_.withdraw_commands();  // Of the same queue, and behind it.
   }
