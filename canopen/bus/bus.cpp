@@ -142,7 +142,7 @@ void Bus::service() {
     heartbeat_.start();
   }
   if (const std::optional<TimePoint> next = queue_.next_time()) {
-    wake_up_.arm_no_later_than(or_soon(*next));
+    wake_up_.arm_no_later_than(or_soon(*next, now));
   }
 }
 

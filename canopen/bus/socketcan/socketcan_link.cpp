@@ -60,7 +60,7 @@ class SocketCanLink final : public Link {
   void tell(const BusState& state);
   void notice(const std::string& text) const;
 
-  void receive();
+  [[nodiscard]] bool receive();
   void deliver(std::size_t count);
   void count_losses(std::optional<std::uint32_t> dropped);
   void on_error_frame(const Frame& frame);
@@ -92,6 +92,7 @@ void SocketCanLink::open(LinkEvents& events) {
   bell_.emplace(executor_, socketcan::open_interface_bell(), [this] {
     socketcan::silence_interface_bell(bell_->get());
     look();
+    return false;
   });
   look_again_.arm(Clock::now());
 }
@@ -188,7 +189,7 @@ void SocketCanLink::open_socket(const Interface& interface) {
   dropped_ = 0;
   interface_index_ = interface.index;
   clock_.start(Clock::now());
-  socket_.emplace(executor_, std::move(opened.descriptor), [this] { receive(); });
+  socket_.emplace(executor_, std::move(opened.descriptor), [this] { return receive(); });
   if (std::exchange(told_index_, interface.index) != interface.index) {
     tell_of_limits(interface, opened.receive_buffer);
   }
@@ -225,8 +226,8 @@ void SocketCanLink::notice(const std::string& text) const {
   }
 }
 
-/// One batch, then others get their turn.
-void SocketCanLink::receive() {
+/// One batch, then others get their turn. Returns whether more waits.
+bool SocketCanLink::receive() {
   const int count = batch_.read(socket_->get());
   if (count > 0) {
     deliver(static_cast<std::size_t>(count));
@@ -236,6 +237,7 @@ void SocketCanLink::receive() {
     gone_ = true;
     look();
   }
+  return count == static_cast<int>(ReceiveBatch::kCapacity);
 }
 
 void SocketCanLink::deliver(std::size_t count) {
