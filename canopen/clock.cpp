@@ -7,15 +7,17 @@ struct StoppedTime {
   bool active = false;
   TimePoint monotonic;
   WallTime wall;
+  std::uint64_t readings = 0;
 };
 
-// Only tests write this, before they start anything; the daemon only ever reads `active == false`.
+// Written by tests only; the daemon only ever reads `active == false`.
 StoppedTime stopped;
 
 }  // namespace
 
 Clock::time_point Clock::now() noexcept {
   if (stopped.active) {
+    ++stopped.readings;
     return stopped.monotonic;
   }
   return time_point(std::chrono::steady_clock::now().time_since_epoch());
@@ -23,13 +25,13 @@ Clock::time_point Clock::now() noexcept {
 
 WallTime wall_now() noexcept {
   if (stopped.active) {
+    ++stopped.readings;
     return stopped.wall;
   }
   return std::chrono::time_point_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now());
 }
 
-TimePoint or_soon(TimePoint at) noexcept {
-  const TimePoint now = Clock::now();
+TimePoint or_soon(TimePoint at, TimePoint now) noexcept {
   return at > now ? at : now + std::chrono::milliseconds(1);
 }
 
@@ -37,6 +39,7 @@ ManualTime::ManualTime() noexcept {
   using namespace std::chrono;
   stopped.monotonic = TimePoint(hours(1));
   stopped.wall = sys_days(year(2026) / January / 2) + hours(3) + minutes(4) + seconds(5);
+  stopped.readings = 0;
   stopped.active = true;
 }
 
@@ -51,6 +54,10 @@ void ManualTime::advance(Duration by) noexcept {
 
 bool ManualTime::active() noexcept {
   return stopped.active;
+}
+
+std::uint64_t ManualTime::readings() noexcept {
+  return stopped.readings;
 }
 
 Duration WaitTraits::to_wait_duration(const Duration& duration) noexcept {

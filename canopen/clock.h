@@ -2,6 +2,7 @@
 
 #include <boost/asio/basic_waitable_timer.hpp>
 #include <chrono>
+#include <cstdint>
 
 namespace canopen {
 
@@ -31,7 +32,7 @@ inline constexpr TimePoint kNever = TimePoint::max();
 
 /// `at`, or in a millisecond where that has passed: when to look again for what a loop that lags behind has yet to
 /// read.
-[[nodiscard]] TimePoint or_soon(TimePoint at) noexcept;
+[[nodiscard]] TimePoint or_soon(TimePoint at, TimePoint now = Clock::now()) noexcept;
 
 /// While one lives, both clocks stand still and move only by advance(). Single-threaded tests only.
 class ManualTime {
@@ -44,6 +45,8 @@ class ManualTime {
 
   void advance(Duration by) noexcept;
   [[nodiscard]] static bool active() noexcept;
+  /// How often the two clocks were read since time was stopped.
+  [[nodiscard]] static std::uint64_t readings() noexcept;
 };
 
 /// Tells Asio how long to sleep: not at all while time is moved by hand, so that poll() finds every due timer.

@@ -11,7 +11,7 @@ Bus::Bus(boost::asio::any_io_executor executor, std::unique_ptr<Link> link, BusS
       link_(std::move(link)),
       settings_(settings),
       sdo_budget_(executor_, settings.bitrate, settings.sdo_load, load_),
-      queue_(*link_, TransmitTimes::at(settings.bitrate)),
+      queue_(*link_, TransmitTimes::at(settings.bitrate), has_heartbeat()),
       wake_up_(executor_, [this] { service(); }),
       // Of heartbeat and SYNC only the newest waits: the one before goes with its ticket.
       heartbeat_(executor_, heartbeat_frame(settings.node_id), settings.heartbeat,
@@ -142,7 +142,7 @@ void Bus::service() {
     heartbeat_.start();
   }
   if (const std::optional<TimePoint> next = queue_.next_time()) {
-    wake_up_.arm_no_later_than(or_soon(*next));
+    wake_up_.arm_no_later_than(or_soon(*next, now));
   }
 }
 

@@ -51,6 +51,19 @@ TEST_F(SlcanLinkTest, StatesComeFromTheController) {
   expect_lasting(BusCondition::bus_off);
 }
 
+TEST_F(SlcanLinkTest, AFrameThatIsReceivedInBusOffTellsThatItIsOver) {
+  open(adapter->interface());
+  expect(BusCondition::error_active);
+  run_for(1500ms);
+  // As if the error frame of the recovery were lost: the controller is error-active all the while.
+  support::OtherSocket(adapter->interface()).send_error(CAN_ERR_BUSOFF, 0, 0, 0);
+  expect(BusCondition::bus_off);
+  const auto begun = std::chrono::steady_clock::now();
+  adapter->say("t185281AA");
+  expect(BusCondition::error_active);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, 500ms) << "only at the next look";
+}
+
 TEST_F(SlcanLinkTest, AStateFromBeforeTheStartIsLearnt) {
   adapter->say("sp128000");
   shell("sleep 0.2");

@@ -66,6 +66,15 @@ RawSocket open_raw_socket(int interface_index) {
   return result;
 }
 
+std::string small_buffer_notice(int receive_buffer) {
+  if (receive_buffer >= kWantedReceiveBuffer) {
+    return {};
+  }
+  return "receive buffer of " + std::to_string(receive_buffer) + " bytes instead of " +
+         std::to_string(kWantedReceiveBuffer) +
+         ": frames may be lost in bursts; raise it with sysctl net.core.rmem_max";
+}
+
 bool has_something_to_read(int socket) noexcept {
   pollfd poll{.fd = socket, .events = POLLIN, .revents = 0};
   return ::poll(&poll, 1, 0) > 0;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <system_error>
 
 #include "canopen/bus/socketcan/descriptor.h"
@@ -21,6 +22,9 @@ struct RawSocket {
 
 /// A non-blocking CAN RAW socket on the interface with this index, ready for ReceiveBatch.
 [[nodiscard]] RawSocket open_raw_socket(int interface_index);
+
+/// For people, where a socket was granted less than kWantedReceiveBuffer; else empty.
+[[nodiscard]] std::string small_buffer_notice(int receive_buffer);
 
 /// Something can be read from the socket now: a frame or an error. Takes neither.
 [[nodiscard]] bool has_something_to_read(int socket) noexcept;

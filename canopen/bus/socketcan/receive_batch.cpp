@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <ctime>
+#include <span>
+#include <utility>
 
 namespace canopen::socketcan {
 namespace {
@@ -23,11 +25,13 @@ ReceiveBatch::ReceiveBatch() {
 }
 
 int ReceiveBatch::read(int socket) {
-  // The kernel has shortened these to what it wrote last time.
-  for (mmsghdr& message : messages_) {
+  // The kernel has shortened these to what it wrote last time. The others are not touched: usually few frames wait.
+  for (mmsghdr& message : std::span(messages_).first(std::exchange(used_, 0))) {
     message.msg_hdr.msg_controllen = sizeof(Control::bytes);
   }
-  return ::recvmmsg(socket, messages_.data(), kCapacity, MSG_DONTWAIT, nullptr);
+  const int count = ::recvmmsg(socket, messages_.data(), kCapacity, MSG_DONTWAIT, nullptr);
+  used_ = static_cast<std::size_t>(std::max(count, 0));
+  return count;
 }
 
 ReceiveBatch::Item ReceiveBatch::item(std::size_t index) const {

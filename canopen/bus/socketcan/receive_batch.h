@@ -17,7 +17,8 @@ namespace canopen::socketcan {
 /// One call of recvmmsg: many frames for one system call and one look at the clock.
 class ReceiveBatch {
  public:
-  static constexpr std::size_t kCapacity = 128;
+  /// Of a burst, half a millisecond of work. What else is to be done waits that long, at most.
+  static constexpr std::size_t kCapacity = 512;
 
   struct Item {
     Frame frame;
@@ -43,6 +44,7 @@ class ReceiveBatch {
   std::array<Control, kCapacity> controls_{};
   std::array<iovec, kCapacity> vectors_{};
   std::array<mmsghdr, kCapacity> messages_{};
+  std::size_t used_ = kCapacity;  ///< Of the messages, since they were last made ready.
 };
 
 /// Between the kernel's layout and ours.

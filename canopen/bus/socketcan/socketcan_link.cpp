@@ -31,6 +31,8 @@ using socketcan::ReceiveBatch;
 // have to wait for others in the kernel (rtnl lock), so it is put less often while all is well.
 constexpr Duration kLookAgain = std::chrono::seconds(1);
 constexpr Duration kLookAtHealthy = std::chrono::seconds(5);
+// After a frame that a bus-off controller cannot receive.
+constexpr Duration kLookSoon = std::chrono::milliseconds(20);
 
 bool tells_that_it_is_gone(int error) noexcept {
   return error == ENODEV || error == ENXIO || error == ENETUNREACH || error == ENETDOWN;
@@ -42,7 +44,7 @@ class SocketCanLink final : public Link {
       : executor_(std::move(executor)),
         name_(std::move(interface)),
         echo_(echo),
-        notice_(std::move(notice)),
+        notice_(notice ? std::move(notice) : [](const std::string&) {}),
         look_again_(executor_, [this] { look(); }),
         count_again_(executor_, [this] { count_losses(socketcan::dropped_so_far(socket_->get())); }) {}
 
@@ -58,9 +60,8 @@ class SocketCanLink final : public Link {
   void drop_socket();  ///< With all that waits in it, which is from before.
   void tell_of_limits(const Interface& interface, int receive_buffer);
   void tell(const BusState& state);
-  void notice(const std::string& text) const;
 
-  void receive();
+  [[nodiscard]] bool receive();
   void deliver(std::size_t count);
   void count_losses(std::optional<std::uint32_t> dropped);
   void on_error_frame(const Frame& frame);
@@ -92,6 +93,7 @@ void SocketCanLink::open(LinkEvents& events) {
   bell_.emplace(executor_, socketcan::open_interface_bell(), [this] {
     socketcan::silence_interface_bell(bell_->get());
     look();
+    return false;
   });
   look_again_.arm(Clock::now());
 }
@@ -180,7 +182,7 @@ void SocketCanLink::open_socket(const Interface& interface) {
   socketcan::RawSocket opened = socketcan::open_raw_socket(interface.index);
   if (opened.error) {
     if (std::exchange(failed_index_, interface.index) != interface.index) {
-      notice(name_ + ": no CAN socket: " + opened.error.message());
+      notice_(name_ + ": no CAN socket: " + opened.error.message());
     }
     return;
   }
@@ -188,7 +190,7 @@ void SocketCanLink::open_socket(const Interface& interface) {
   dropped_ = 0;
   interface_index_ = interface.index;
   clock_.start(Clock::now());
-  socket_.emplace(executor_, std::move(opened.descriptor), [this] { receive(); });
+  socket_.emplace(executor_, std::move(opened.descriptor), [this] { return receive(); });
   if (std::exchange(told_index_, interface.index) != interface.index) {
     tell_of_limits(interface, opened.receive_buffer);
   }
@@ -201,14 +203,12 @@ void SocketCanLink::drop_socket() {
 }
 
 void SocketCanLink::tell_of_limits(const Interface& interface, int receive_buffer) {
-  if (receive_buffer < socketcan::kWantedReceiveBuffer) {
-    notice(name_ + ": receive buffer of " + std::to_string(receive_buffer) + " bytes instead of " +
-           std::to_string(socketcan::kWantedReceiveBuffer) +
-           ": frames may be lost in bursts; raise it with sysctl net.core.rmem_max");
-  }
   const std::string driver = socketcan::driver_of(socket_->get(), name_);
-  if (const auto text = socketcan::no_departure_notice(echo_, interface.echoes, driver); !text.empty()) {
-    notice(name_ + ": " + text);
+  for (const std::string& text : {socketcan::small_buffer_notice(receive_buffer),
+                                  socketcan::no_departure_notice(echo_, interface.echoes, driver)}) {
+    if (!text.empty()) {
+      notice_(name_ + ": " + text);
+    }
   }
 }
 
@@ -219,14 +219,8 @@ void SocketCanLink::tell(const BusState& state) {
   }
 }
 
-void SocketCanLink::notice(const std::string& text) const {
-  if (notice_) {
-    notice_(text);
-  }
-}
-
-/// One batch, then others get their turn.
-void SocketCanLink::receive() {
+/// One batch, then others get their turn. Returns whether more waits.
+bool SocketCanLink::receive() {
   const int count = batch_.read(socket_->get());
   if (count > 0) {
     deliver(static_cast<std::size_t>(count));
@@ -236,13 +230,19 @@ void SocketCanLink::receive() {
     gone_ = true;
     look();
   }
+  return count == static_cast<int>(ReceiveBatch::kCapacity);
 }
 
 void SocketCanLink::deliver(std::size_t count) {
-  clock_.set(Clock::now(), wall_now());
+  const WallTime wall = wall_now();
+  const TimePoint now = Clock::now();
+  clock_.set(now, wall);
   std::size_t collected = 0;
   const auto hand_over_collected = [&] {
     if (collected > 0 && events_ != nullptr) {
+      if (told_ && told_->condition == BusCondition::bus_off) {
+        look_again_.arm_no_later_than(now + kLookSoon);  // It has recovered, and the error frame that told so is lost.
+      }
       events_->on_frames(std::span(received_).first(std::exchange(collected, 0)));
     }
   };
@@ -284,7 +284,7 @@ void SocketCanLink::on_error_frame(const Frame& frame) {
   if (socketcan::tells_overrun(frame)) {
     events_->on_frames_lost(1);
   }
-  if (events_ != nullptr && told_ && told_->condition != BusCondition::down) {
+  if (told_ && told_->condition != BusCondition::down) {
     tell(socketcan::after_error_frame(*told_, frame));
   }
 }

@@ -143,6 +143,26 @@ TEST_F(BusCommandTest, StoppingAnswersWhatWaitsAndSendsNothingMore) {
   EXPECT_EQ(after.get().error().kind, ErrorKind::offline);
 }
 
+TEST_F(BusCommandTest, BehindAHeartbeatThatIsStuckACommandIsWithdrawn) {
+  const auto bus = start({.node_id = 127, .heartbeat = 500ms});
+  loop.advance(10ms);
+  wire.withhold_echoes(true);
+  loop.advance(520ms);  // It is stuck.
+  other.heard.clear();
+  EXPECT_EQ(other.link->send(frame(0x705)), SendResult::handed_over);
+  const auto result =
+      support::spawn(loop.executor(), support::send_command(*bus, frame(0x205, 1), Clock::now() + 800ms));
+  for (int i = 0; i < 8; ++i) {
+    loop.advance(100ms);
+    EXPECT_EQ(other.link->send(frame(0x705)), SendResult::handed_over);
+  }
+  ASSERT_TRUE(result.done());
+  EXPECT_EQ(result.get().error().kind, ErrorKind::timeout);
+  EXPECT_EQ(other.count(0x205), 0U);
+  EXPECT_LE(other.count(0x77F), 9U) << "once in a tenth of a second, as long as it may tell";
+  EXPECT_GE(other.count(0x77F), 2U);
+}
+
 TEST_F(BusCommandTest, ALinkThatStaysBusyIsNotAskedForEver) {
   // The heartbeat that a command asks for must not ask for another one.
   LinkEvents* events = nullptr;

@@ -186,6 +186,63 @@ TEST_F(DepartureTest, SwappedEchoesOfTwoMailboxesConfirmBoth) {
   EXPECT_EQ(command.departure, Departure::left);
 }
 
+// A controller that sends by identifier: what it still holds must not leave after a stop.
+TEST_F(DepartureTest, AnEchoThatMayHaveOvertakenARepetitionDoesNotFreeItsPlace) {
+  see_life();
+  Sent repetition;
+  push(repetition, TransmitClass::repetition, frame(0x205, 1));
+  push(TransmitClass::control, frame(0x080));
+  echo(frame(0x080));
+  Sent stop;
+  push_command(stop, frame(0x205, 0));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x205, 0x080}));
+  EXPECT_EQ(repetition.departure, std::nullopt);
+  echo(frame(0x205, 1));
+  EXPECT_EQ(repetition.departure, Departure::left);
+  EXPECT_EQ(link.sent.back(), frame(0x205, 0));
+}
+
+TEST_F(DepartureTest, OfAFrameThatIsOverdueAnOvertakingEchoProvesNothing) {
+  see_life();
+  push(TransmitClass::repetition, frame(0x205, 1));
+  for (int i = 0; i < 10; ++i) {
+    advance(100ms);
+    see_life();
+    push(TransmitClass::control, frame(0x080));
+    echo(frame(0x080));
+  }
+  Sent stop;
+  push_command(stop, frame(0x205, 0));
+  EXPECT_NE(link.sent.back(), frame(0x205, 0));
+  push(TransmitClass::control, frame(0x77F));
+  echo(frame(0x77F));
+  EXPECT_EQ(link.sent.back(), frame(0x205, 0));
+}
+
+TEST_F(DepartureTest, AnEchoThatMayHaveOvertakenSdoEndsNoWaitForIt) {
+  see_life();
+  Sent sdo;
+  push(sdo, TransmitClass::sdo, frame(0x601));
+  push(TransmitClass::nmt, frame(0x000));
+  push(TransmitClass::sdo, frame(0x602));
+  echo(frame(0x000));
+  EXPECT_EQ(sdo.departure, std::nullopt);
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x601, 0x000}));
+  echo(frame(0x601));
+  EXPECT_EQ(sdo.departure, Departure::left);
+}
+
+TEST_F(DepartureTest, AnEchoOfAHigherIdentifierProvesThatTheRepetitionHasGone) {
+  see_life();
+  Sent repetition;
+  push(repetition, TransmitClass::repetition, frame(0x205, 1));
+  push(TransmitClass::control, frame(0x77F));
+  push(TransmitClass::command, frame(0x205, 0));
+  echo(frame(0x77F));
+  EXPECT_EQ(repetition.departure, Departure::unknown);
+  EXPECT_EQ(link.sent.back(), frame(0x205, 0));
+}
+
 TEST_F(DepartureTest, AForeignEchoConfirmsNothing) {
   see_life();
   Sent command;
@@ -243,18 +300,79 @@ TEST_F(DepartureTest, ACommandDoesNotWaitForAFrameThatIsOnlyBusy) {
   EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x601, 0x205}));
 }
 
-TEST_F(DepartureTest, AFrameThatCannotWinTheBusDelaysACommandForAMoment) {
+// It would wait in a controller that sends first in first out, and leave whenever that frame does.
+TEST_F(DepartureTest, NothingGoesBehindAFrameThatGaveItsPlaceBack) {
   see_life();
   push(TransmitClass::sdo, frame(0x67F));
-  advance(30ms);
-  see_life();  // Others go before it.
+  const auto wait_among_others = [this](Duration time) {
+    for (const TimePoint end = now + time; now < end;) {
+      advance(50ms);
+      see_life();  // Others go before it.
+    }
+  };
+  wait_among_others(100ms);
+  push(TransmitClass::sdo, frame(0x601));
+  ASSERT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x67F, 0x601}));
+  Sent command;
+  push_command(command, frame(0x205));
+  EXPECT_TRUE(queue.wants_heartbeat(now)) << "0x601 may go before 0x67F, and proves nothing";
+  push(TransmitClass::control, frame(0x77F));
+  EXPECT_FALSE(queue.wants_heartbeat(now));
+  echo(frame(0x601));
+  wait_among_others(800ms);
+  EXPECT_EQ(command.departure, Departure::withdrawn);
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x67F, 0x601, 0x77F}));
+
+  Sent next;
+  push_command(next, frame(0x205));
+  EXPECT_TRUE(queue.wants_heartbeat(now)) << "the one before gave its place back, too";
+  push(TransmitClass::control, frame(0x77F));
+  echo(frame(0x77F));
+  EXPECT_EQ(sent_ids().back(), 0x205U);
+}
+
+TEST_F(DepartureTest, ALostEchoDelaysACommandForOneHeartbeat) {
+  see_life();
+  push(TransmitClass::sdo, frame(0x67F));
+  advance(50ms);
+  see_life();
+  advance(50ms);
+  Sent command;
+  push_command(command, frame(0x205));
+  ASSERT_TRUE(queue.wants_heartbeat(now));
+  push(TransmitClass::control, frame(0x77F));
+  echo(frame(0x77F));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x67F, 0x77F, 0x205}));
+}
+
+TEST_F(DepartureTest, TheLateEchoOfAFrameThatGaveItsPlaceBackIsProofToo) {
+  see_life();
+  push(TransmitClass::sdo, frame(0x67F));
+  advance(50ms);
+  see_life();
+  advance(50ms);
   Sent command;
   push_command(command, frame(0x205));
   EXPECT_EQ(link.sent.size(), 1U);
-  advance(69ms);
+  echo(frame(0x67F));
+  EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x67F, 0x205}));
+}
+
+TEST_F(DepartureTest, WithoutAHeartbeatOfOursALateFrameIsNotWaitedForForEver) {
+  TransmitQueue mute(link, {}, false);
+  mute.on_bus(true);
+  mute.on_received(now);
+  const Ticket sdo = mute.push(TransmitClass::sdo, frame(0x67F), now + 1s, {}, now);
+  mute.service(now);
+  now += 50ms;
+  mute.on_received(now);
+  const Ticket command = mute.push(TransmitClass::command, frame(0x205), now + 800ms, {}, now);
+  mute.service(now);
+  now += 49ms;
+  mute.service(now);
   EXPECT_EQ(link.sent.size(), 1U);
-  see_life();
-  advance(1ms);
+  now += 1ms;
+  mute.service(now);
   EXPECT_EQ(sent_ids(), (std::vector<std::uint32_t>{0x67F, 0x205}));
 }
 

@@ -239,6 +239,17 @@ TEST_F(TransmitQueueTest, AskedByAHeartbeatAsSoonAsACommandWaitsForAFrameOfOurs)
   EXPECT_EQ(sent_ids().back(), 0x205U);
 }
 
+TEST_F(TransmitQueueTest, AHeartbeatThatWaitsForTheOneBeforeIsEnough) {
+  push(TransmitClass::control, frame(0x77F));
+  advance(25ms);
+  see_life();
+  Sent command;
+  push_command(command, frame(0x205));
+  push(TransmitClass::control, frame(0x77F));
+  EXPECT_EQ(sent_ids(), std::vector<std::uint32_t>{0x77F});
+  EXPECT_FALSE(queue.wants_heartbeat(now)) << "each would ask for the next";
+}
+
 TEST_F(TransmitQueueTest, SyncAndHeartbeatDoNotHoldEachOtherBack) {
   push(TransmitClass::control, frame(0x080));
   push(TransmitClass::control, frame(0x77F));

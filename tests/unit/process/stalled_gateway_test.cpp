@@ -28,5 +28,22 @@ TEST_F(StalledGatewayTest, TakesWhatWaitsUnreadForNoSilence) {
   EXPECT_TRUE(write_now({field("frequency_command", 20.0)}).has_value()) << "a standstill was made of it";
 }
 
+// A system call is dear on some machines, and frames come by the thousand.
+TEST_F(StalledGatewayTest, NoFrameReadsAClock) {
+  bring_online();
+  link_.stall();
+  for (int i = 0; i < 50; ++i) {
+    send_tpdos();
+  }
+  ASSERT_GE(link_.waiting(), 100U);
+  ASSERT_LE(link_.waiting(), link_.kBatch);
+  observer_.values.clear();
+  const std::uint64_t before = canopen::ManualTime::readings();
+  link_.resume();
+  loop_.settle();
+  EXPECT_EQ(observer_.values.size(), 100U);
+  EXPECT_LE(canopen::ManualTime::readings() - before, 10U) << "for the whole batch";
+}
+
 }  // namespace
 }  // namespace process
