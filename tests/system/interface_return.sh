@@ -51,7 +51,7 @@ goes_and_returns() { # goes_and_returns WAY
 create || fail "no $interface"
 ip netns add away || fail "no network namespace"
 start_broker
-start_trace
+start_trace any
 start_gateway
 wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
 start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9

@@ -80,9 +80,9 @@ start_witness() {
   launch witness mosquitto_sub -h 127.0.0.1 -p "$broker_port" -F '%U %r %t %p' -t '#'
 }
 
-# The frames on all buses, with the kernel's time, in candump's log format.
+# The frames on vcan0, or on the bus that is named (`any`), with the kernel's time, in candump's log format.
 start_trace() {
-  launch candump candump -L any
+  launch candump candump -L "${1:-vcan0}"
   catch_up
 }
 
