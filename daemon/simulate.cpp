@@ -51,8 +51,7 @@ int simulate(const Options& options, const Simulation& simulation) {
   LiveOutput output(STDOUT_FILENO, [&stop] { stop.stop(); });
   simulator::DriveOptions commissioning;
   commissioning.tpdo_event_ms = simulation.tpdo_event_ms;
-  SimulatedSite site(
-      loop.get_executor(), [&output](std::string_view text) { output.write(text); }, commissioning);
+  SimulatedSite site(loop.get_executor(), [&output](std::string_view text) { output.write(text); }, commissioning);
   const bool by_configuration = simulation.interface.empty();
   try {
     if (!by_configuration) {

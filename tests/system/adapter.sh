@@ -5,6 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 bridge=$(dirname "$gateway_bin")/../tests/vcan/slcan_bridge
 set_point='605#2[BF]302001'  # an SDO download of the frequency command
+traced=any  # What the driver was given is on the adapter's interface, what left on vcan0.
 left=' vcan0 ([2-5]05#|605#[0-3CD]|000#)'
 
 # The adapter with a console of its own, see slcan_bridge.cpp. The driver can echo on hand-over only.
@@ -15,7 +16,8 @@ plug() {
   started[adapter]=$!
   wait_until 10 "the adapter's interface" grep -q . "$work/adapter.out"
   can=$(head -n 1 "$work/adapter.out")
-  ip link set "$can" type can bitrate 125000 && ip link set "$can" txqueuelen 10 up || fail "no $can"
+  ip link set "$can" type can bitrate 125000 || fail "bit rate of $can"
+  ip link set "$can" txqueuelen 10 up || fail "no $can"
 }
 pull() {
   kill "${started[adapter]}"
@@ -48,7 +50,7 @@ plug
 sed "s/\"vcan0\"/\"$can\"/" "$root/tests/system/gateway.toml" |
   awk '/^\[\[drive\]\]/ {drives++} drives == 0 || drives == 2' >"$work/gateway.toml"
 start_broker
-start_trace any  # What the driver was given is on the adapter's interface, what left on vcan0.
+start_trace
 start_gateway
 wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
 start_drives --drive veichi-ac310:5
@@ -69,9 +71,9 @@ bus_is 0 error-active
 say "nobody acknowledges: one command is in the controller, the others wait"
 mark
 adapter hold
+for value in 1200 1300 1400; do command_later $value; done
 adapter say e1a
 adapter say sp000128
-for value in 1200 1300 1400; do command_later $value; done
 bus_is 2 passive
 wait_until 5 "pump1 is lost" field_is pump1/alarm/heartbeat .active true
 expect "pump1" offline "$(retained pump1/status)"
@@ -90,12 +92,13 @@ expect_frames "the one from the controller left, and no other" 1 "$left"
 expect_frames "it is the set-point" 1 " vcan0 $set_point"
 
 say "bus-off while commands wait behind one that is under way"
-order 5 sdo-drop 1
 mark
+order 5 mute on
 for value in 2200 2300 2400; do command_later $value; done
 wait_until 5 "one is under way" frames " vcan0 $set_point"
 adapter off
 adapter say sb255255
+order 5 mute off
 bus_is 3 bus-off
 for value in 2200 2300 2400; do
   wait_until 5 "set-point $value is answered" test -s "$work/answer.$value"

@@ -8,6 +8,7 @@ broker_port=1883
 modbus_port=1502
 topics=canopen/line3
 interface=vcan0  # of the drives
+traced=vcan0     # or `any`
 declare -A started=()
 checks=0
 
@@ -80,9 +81,9 @@ start_witness() {
   launch witness mosquitto_sub -h 127.0.0.1 -p "$broker_port" -F '%U %r %t %p' -t '#'
 }
 
-# The frames on vcan0, or on the bus that is named (`any`), with the kernel's time, in candump's log format.
+# The frames on the bus, with the kernel's time, in candump's log format.
 start_trace() {
-  launch candump candump -L "${1:-vcan0}"
+  launch candump candump -L "$traced"
   catch_up
 }
 

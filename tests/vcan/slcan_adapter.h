@@ -7,8 +7,8 @@
 namespace support {
 
 /// A pseudo terminal with the line discipline of slcan on one side: the interface is there from construction and goes
-/// with the object, as a pulled USB adapter does. Whoever reads and writes the other side is the adapter. Needs root and
-/// the module slcan.
+/// with the object, as a pulled USB adapter does. Whoever reads and writes the other side is the adapter. Needs root
+/// and the module slcan.
 class SlcanTerminal {
  public:
   /// Throws std::system_error.
@@ -28,8 +28,8 @@ class SlcanTerminal {
   std::string interface_;
 };
 
-/// The device end of a serial CAN adapter: a test says what the adapter says, and reads what it was told. A thread reads
-/// for it, since the driver waits for its commands to be taken.
+/// The device end of a serial CAN adapter: a test says what the adapter says, and reads what it was told. A thread
+/// reads for it, since the driver waits for its commands to be taken.
 class SlcanAdapter {
  public:
   /// Throws std::system_error.

@@ -1,5 +1,5 @@
-// slcan_bridge WIRE: a serial CAN adapter (slcan) whose bus is the interface WIRE. Prints the name of the interface that
-// it makes, then obeys lines of standard input, each answered by "ok"; at their end the adapter is pulled.
+// slcan_bridge WIRE: a serial CAN adapter (slcan) whose bus is the interface WIRE. Prints the name of the interface
+// that it makes, then obeys lines of standard input, each answered by "ok"; at their end the adapter is pulled.
 //   say LINE   tells the driver LINE, such as sb255255 (bus-off)
 //   hold       nobody acknowledges: what is to be sent stays inside, and nothing is heard
 //   off        the bus is off: what is to be sent is dropped, and nothing is heard
