@@ -7,10 +7,19 @@ drives=24
 frames_per_s=926           # of 8 bytes with usual stuffing; each counts 16 bytes with the queue
 longest_heartbeat_gap=700  # ms; due each 500 ms
 
-# Frames go back to us by the driver, when they leave the queue, only where vcan was loaded with echo=1.
+# Frames go back to us by the driver, when they leave the queue, only where vcan was loaded with echo=1. The module may be
+# that of the whole machine (see tests/vcan/run), where others want it as it was.
+leave() {
+  local code=$?
+  ip link del vcan0
+  modprobe -r vcan && modprobe vcan
+  (exit $code)
+  finish
+}
 if [ "$(cat /sys/module/vcan/parameters/echo)" != Y ]; then
   ip link del vcan0
   modprobe -r vcan || fail "vcan is to be loaded with echo=1, but somebody else has an interface of it"
+  trap leave EXIT
   modprobe vcan echo=1
   ip link add vcan0 type vcan
 fi
