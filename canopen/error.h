@@ -33,6 +33,7 @@ struct Error {
   ObjectAddress object{};        ///< 0x0000:00: none.
   std::uint32_t abort = 0;       ///< SDO abort code (CiA 301 table 22), 0: none.
   bool outcome_unknown = false;  ///< It was begun and nobody knows whether it took effect; never repeated by us.
+  bool not_sent = false;         ///< No frame of ours left: it says nothing about the drive.
   std::string detail{};          ///< What a person needs to know further; may be empty.
 
   friend bool operator==(const Error&, const Error&) = default;

@@ -14,27 +14,12 @@ std::optional<std::size_t> Drive::find(std::string_view signal_name) const noexc
 }
 
 std::string to_text(const Source& source) {
-  switch (source.kind) {
-    case SourceKind::tpdo:
-      return "tpdo" + std::to_string(source.number);
-    case SourceKind::rpdo:
-      return "rpdo" + std::to_string(source.number);
-    case SourceKind::sdo:
-      break;
-  }
-  return "sdo";
+  const std::string number = std::to_string(source.number);
+  return source.kind == SourceKind::sdo ? "sdo" : (source.kind == SourceKind::tpdo ? "tpdo" : "rpdo") + number;
 }
 
 std::string_view to_text(Access access) noexcept {
-  switch (access) {
-    case Access::read:
-      return "read";
-    case Access::write:
-      return "write";
-    case Access::read_write:
-      break;
-  }
-  return "read-write";
+  return access == Access::read ? "read" : access == Access::write ? "write" : "read-write";
 }
 
 bool is_momentary(const Signal& signal, canopen::Raw raw) noexcept {

@@ -64,7 +64,8 @@ void describe(CLI::App& app, CommandLine& line) {
   app.fallthrough();
   app.add_option("--config", line.options.config, "The configuration file")->capture_default_str();
   app.add_option("--profile-dir", line.options.profile_dirs, "A directory of profiles to look in first; repeatable")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->check(CLI::ExistingDirectory);
   app.add_flag("--verbose", line.options.verbose, "Log debug messages too");
 
   app.add_subcommand("run", "The daemon, in the foreground");

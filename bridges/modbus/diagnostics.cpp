@@ -54,7 +54,7 @@ Diagnostics diagnostics_of(const process::Drive& drive, config::WordOrder order,
   Diagnostics block{};
   block[0] = state_bits(drive, now);
   block[1] = static_cast<std::uint16_t>(status.nmt);
-  block[2] = status.boot_result;
+  block[2] = static_cast<std::uint16_t>(status.boot_result);
   block[4] = emergency.error_register;
   if (emergency.active) {
     block[3] = emergency.code;

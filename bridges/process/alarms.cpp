@@ -20,16 +20,12 @@ std::string heartbeat_text(const config::Drive& model, const canopen::NodeStatus
   return "no heartbeat for " + std::to_string(timeout) + " ms";
 }
 
-bool is_letter(std::uint8_t boot_result) {
-  return boot_result != canopen::kBootOk && boot_result != canopen::kNotBooted;
-}
-
 std::string boot_text(const canopen::NodeStatus& status) {
   if (!is_letter(status.boot_result)) {
     return status.boot_text;
   }
   const std::string letter(1, static_cast<char>(status.boot_result));
-  return status.boot_text.empty() ? "boot error " + letter : letter + ": " + status.boot_text;
+  return letter + ": " + (status.boot_text.empty() ? std::string(text_of(status.boot_result)) : status.boot_text);
 }
 
 }  // namespace

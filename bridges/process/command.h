@@ -19,7 +19,7 @@ struct FieldWrite {
   std::variant<canopen::Raw, double> value;
 };
 
-/// Whether what a command was made from still stands, as in canopen/node/still_stands.h.
+/// Whether what a command was made from still stands, as in canopen/still_stands.h.
 using StillStands = std::function<bool()>;
 
 }  // namespace process

@@ -61,8 +61,13 @@ awaitable<Outcome> Commands::nmt(Writer writer, canopen::NmtCommand command) {
   if (std::optional<Error> refused = refuse_writer(model_, writer)) {
     co_return *std::move(refused);
   }
-  if (std::optional<Error> refused = refuse_nmt(command)) {
-    co_return *std::move(refused);
+  if (queue_.closed()) {
+    co_return no_turn();
+  }
+  if (node_.status().boot_result != canopen::BootResult::left_alone) {
+    if (std::optional<Error> refused = refuse_nmt(command, running())) {
+      co_return *std::move(refused);
+    }
   }
   const CommandQueue::Ticket ticket(queue_);
   const bool has_turn = co_await queue_.turn(ticket, arrival.deadline);
@@ -70,7 +75,8 @@ awaitable<Outcome> Commands::nmt(Writer writer, canopen::NmtCommand command) {
     co_return no_turn();
   }
   // A run command may have been before it in the queue.
-  if (std::optional<Error> refused = refuse_nmt(command)) {
+  std::optional<Error> refused = co_await refuse_nmt_now(command);
+  if (refused) {
     co_return *std::move(refused);
   }
   Outcome outcome = co_await node_.command(command, arrival.deadline);
@@ -160,20 +166,22 @@ std::optional<Error> Commands::refuse_unreachable() const {
   return std::nullopt;
 }
 
-std::optional<Error> Commands::refuse_nmt(canopen::NmtCommand command) const {
-  if (queue_.closed()) {
-    return no_turn();
-  }
-  if (command == canopen::NmtCommand::start || model_.commands.nmt_while_running) {
+std::optional<Error> Commands::refuse_nmt(canopen::NmtCommand command, std::optional<bool> running) const {
+  if (command == canopen::NmtCommand::start || model_.commands.nmt_while_running || running == false) {
     return std::nullopt;
   }
-  if (!running_is_fresh()) {
-    return error(ErrorKind::forbidden, "nobody can tell whether the motor runs; nmt_while_running would allow it");
+  return error(ErrorKind::forbidden,
+               std::string(running ? "the motor runs" : "nobody can tell whether the motor runs") +
+                   "; nmt_while_running would allow it");
+}
+
+awaitable<std::optional<Error>> Commands::refuse_nmt_now(canopen::NmtCommand command) {
+  std::optional<bool> runs = running();
+  const bool matters = command != canopen::NmtCommand::start && !model_.commands.nmt_while_running;
+  if (!runs && matters && node_.status().boot_result == canopen::BootResult::left_alone) {
+    runs = co_await node_.motor_runs();  // Nothing that it sends can be trusted, but it answers.
   }
-  if (image_.raw(static_cast<SignalId>(*model_.faults.running)) != 0) {
-    return error(ErrorKind::forbidden, "the motor runs; nmt_while_running would allow it");
-  }
-  return std::nullopt;
+  co_return queue_.closed() ? no_turn() : refuse_nmt(command, runs);
 }
 
 awaitable<std::optional<Error>> Commands::await_turn(const CommandQueue::Ticket& ticket, Arrival arrival) {
@@ -218,7 +226,7 @@ awaitable<Outcome> Commands::carry_out(std::vector<Field> remaining, Arrival arr
 }
 
 std::optional<Error> Commands::refuse_outlived(const StillStands& still_stands) {
-  if (!running_is_fresh()) {
+  if (!running()) {
     // Nobody can tell whether the motor came to a stop since earlier commands.
     on_standstill();
   }
@@ -252,9 +260,12 @@ std::vector<SignalId> Commands::signals_of(const WriteStep& step) {
   return signals;
 }
 
-bool Commands::running_is_fresh() const {
+std::optional<bool> Commands::running() const {
   const auto& running = model_.faults.running;
-  return running && image_.fresh(static_cast<SignalId>(*running), canopen::Clock::now());
+  if (!running || !image_.fresh(static_cast<SignalId>(*running), canopen::Clock::now())) {
+    return std::nullopt;
+  }
+  return image_.raw(static_cast<SignalId>(*running)) != 0;
 }
 
 std::optional<Error> Commands::refuse_new_session(Arrival arrival) const {

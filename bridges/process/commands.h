@@ -68,7 +68,11 @@ class Commands {
 
   [[nodiscard]] Arrival arrive() const;
   [[nodiscard]] std::optional<canopen::Error> refuse_unreachable() const;
-  [[nodiscard]] std::optional<canopen::Error> refuse_nmt(canopen::NmtCommand command) const;
+  /// `running`: nothing where nobody can tell.
+  [[nodiscard]] std::optional<canopen::Error> refuse_nmt(canopen::NmtCommand command,
+                                                         std::optional<bool> running) const;
+  /// The same for a command that has its turn. A drive that was left alone is asked whether its motor runs.
+  boost::asio::awaitable<std::optional<canopen::Error>> refuse_nmt_now(canopen::NmtCommand command);
   [[nodiscard]] canopen::Error error(canopen::ErrorKind kind, std::string detail) const;
   [[nodiscard]] canopen::Error no_turn() const;
   [[nodiscard]] std::optional<canopen::Error> refuse_new_session(Arrival arrival) const;
@@ -81,7 +85,8 @@ class Commands {
   /// What a step has left behind.
   void tell(const WriteStep& step, const Outcome& outcome, const Arrival& arrival);
   [[nodiscard]] static std::vector<SignalId> signals_of(const WriteStep& step);
-  [[nodiscard]] bool running_is_fresh() const;
+  /// Whether the motor runs; nothing where nobody can tell.
+  [[nodiscard]] std::optional<bool> running() const;
 
   const config::Drive& model_;
   canopen::RemoteNode& node_;

@@ -1,77 +1,235 @@
 #include "bridges/process/drive.h"
 
+#include <array>
 #include <utility>
 
-#include "bridges/process/drive_body.h"
+#include "bridges/process/fault_naming.h"
 
 namespace process {
 
-using boost::asio::awaitable;
+Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index,
+             canopen::Bus& bus, const std::vector<Observer*>& observers)
+    : model_(model),
+      index_(index),
+      observers_(observers),
+      image_(model),
+      node_(executor, bus, model.node, *this),
+      inputs_(
+          model, image_, [this](std::uint16_t tpdo) { return node_.tpdo_verified(tpdo); }, *this),
+      alarms_(model, [this](AlarmKind kind) { tell([&](Observer& observer) { observer.on_alarm(*this, kind); }); }),
+      commands_(
+          executor, model, node_, image_,
+          [this](std::span<const SignalId> signals) {
+            tell([&](Observer& observer) { observer.on_commanded(*this, signals); });
+          },
+          [this](std::span<const SignalId> signals) {
+            tell([&](Observer& observer) { observer.on_outcome_unknown(*this, signals); });
+          }),
+      reader_(executor, model, node_, inputs_, alarms_),
+      expiry_(executor,
+              [this] {
+                expiry_for_ = canopen::kNever;
+                inputs_.expire(node_.heard_until());
+                arm_expiry();
+              }),
+      fault_(indicator(model.faults.fault)),
+      warning_(indicator(model.faults.warning)),
+      running_(indicator(model.faults.running)),
+      quick_stop_(indicator(model.faults.quick_stop)),
+      fault_code_(indicator(model.faults.fault_code)) {}
 
-Drive::Drive(boost::asio::any_io_executor executor, const config::Drive& model, std::size_t index, canopen::Bus& bus,
-             const std::vector<Observer*>& observers)
-    : body_(std::make_unique<Body>(executor, model, index, bus, observers, *this)) {}
-
-Drive::~Drive() = default;
+template <class Tell>
+void Drive::tell(Tell tell_one) const {
+  for (Observer* observer : observers_) {
+    tell_one(*observer);
+  }
+}
 
 void Drive::start() {
-  body_->start();
+  node_.start();
+  reader_.start();
 }
 
 void Drive::close() {
-  body_->close();
+  commands_.close();
+  node_.close();
 }
 
-awaitable<void> Drive::stop() {
-  return body_->stop();
+boost::asio::awaitable<void> Drive::stop() {
+  close();
+  co_await node_.stop();
+  co_await reader_.stop();
+  co_await commands_.until_idle();
+  expiry_.cancel();
 }
 
-const config::Drive& Drive::model() const noexcept {
-  return body_->model();
+std::optional<Drive::Indicator> Drive::indicator(const std::optional<std::size_t>& signal) const {
+  if (!signal) {
+    return std::nullopt;
+  }
+  const auto id = static_cast<SignalId>(*signal);
+  const SourceState* state = image_.source_of(id);
+  if (state == nullptr) {
+    return std::nullopt;
+  }
+  return Indicator{id, static_cast<SourceId>(state - image_.sources().data())};
 }
 
-std::size_t Drive::index() const noexcept {
-  return body_->index();
+void Drive::on_status(const canopen::NodeStatus& status) {
+  commands_.on_status(status);
+  inputs_.on_status(status.online, status.nmt == canopen::NmtState::operational, canopen::Clock::now());
+  alarms_.on_status(status, canopen::wall_now());
+  if (std::exchange(was_online_, status.online) != status.online) {
+    had_fault_ = false;
+    had_quick_stop_ = false;
+    if (status.online) {
+      reader_.check_errors();
+    } else {
+      reader_.forget_errors();
+    }
+  }
+  arm_expiry();
+  tell([&](Observer& observer) { observer.on_status(*this); });
 }
 
-const Image& Drive::image() const noexcept {
-  return body_->image();
+void Drive::on_boot_up() {
+  commands_.on_boot_up();
+  inputs_.on_boot_up();
 }
 
-const canopen::NodeStatus& Drive::status() const noexcept {
-  return body_->status();
+void Drive::on_arrival(canopen::Arrival arrival) {
+  on_remark(arrival == canopen::Arrival::booted ? "configured" : "taken over as it runs");
 }
 
-const Alarm& Drive::alarm(AlarmKind kind) const noexcept {
-  return std::as_const(*body_).alarms().alarm(kind);
+void Drive::on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, canopen::TimePoint at,
+                    canopen::WallTime wall) {
+  inputs_.on_tpdo(number, values, at, wall);
 }
 
-bool Drive::has_fault_alarm() const noexcept {
-  return std::as_const(*body_).alarms().any(config::Severity::fault);
+void Drive::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) {
+  inputs_.on_tpdo_length(number, expected, received);
 }
 
-bool Drive::has_warning_alarm() const noexcept {
-  return std::as_const(*body_).alarms().any(config::Severity::warning);
+void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
+  if (!emcy.reset && name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
+    commands_.on_fault();
+  }
+  alarms_.on_emcy(emcy, at, wall);
+  watch_bits(at);
 }
 
-awaitable<Outcome> Drive::write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands) {
-  return body_->commands().write(std::move(writer), std::move(fields), std::move(still_stands));
+void Drive::on_frames_lost() {
+  inputs_.on_frames_lost(canopen::Clock::now());
+  if (was_online_) {
+    // An emergency may have been among them.
+    reader_.check_errors();
+  }
 }
 
-awaitable<Outcome> Drive::nmt(Writer writer, canopen::NmtCommand command) {
-  return body_->commands().nmt(std::move(writer), command);
+void Drive::on_remark(const std::string& text) {
+  tell([&](Observer& observer) { observer.on_remark(*this, text); });
 }
 
-awaitable<canopen::Result<canopen::Raw>> Drive::sdo_read(canopen::ObjectAddress object, canopen::DataType type) {
-  return body_->commands().sdo_read(object, type);
+void Drive::on_values(SourceId source) {
+  void_commands(source);
+  const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
+  tell([&](Observer& observer) { observer.on_values(*this, signals); });
+  tell_alarms(source);
+  arm_expiry();
 }
 
-awaitable<Outcome> Drive::sdo_write(Writer writer, canopen::ObjectValue value) {
-  return body_->commands().sdo_write(std::move(writer), value);
+void Drive::on_stale(SourceId source) {
+  if (is_from(running_, source)) {
+    was_running_ = false;
+    commands_.on_standstill();
+  }
+  const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
+  tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
 }
 
-void Drive::restore_emcy(const Alarm& alarm) {
-  body_->alarms().restore_emcy(alarm);
+void Drive::on_problems() {
+  alarms_.on_data_problems(inputs_.problems(), canopen::wall_now());
+}
+
+void Drive::on_read_wanted() {
+  reader_.wake();
+  arm_expiry();
+}
+
+/// A run command that was given before a fault or a standstill is not to be carried along by a set-point after it. The
+/// end of a fault counts too: what was commanded while the drive could not run must not start it later.
+void Drive::void_commands(SourceId source) {
+  if (is_from(running_, source)) {
+    const bool running = image_.raw(running_->signal) != 0;
+    if (std::exchange(was_running_, running) && !running) {
+      commands_.on_standstill();
+    }
+  }
+  if (is_from(quick_stop_, source)) {
+    const bool quick_stop = image_.raw(quick_stop_->signal) != 0;
+    if (!std::exchange(had_quick_stop_, quick_stop) && quick_stop) {
+      on_quick_stop();
+    }
+  }
+  if (is_from(fault_, source)) {
+    const bool fault = image_.raw(fault_->signal) != 0;
+    if (std::exchange(had_fault_, fault) != fault) {
+      commands_.on_fault();
+    }
+  }
+}
+
+/// Repeating "enable operation" would end a quick stop that the drive entered by itself (CiA 402, transition 16). Where
+/// it was commanded, the word that did it goes on: a drive that supervises its RPDOs would trip and perhaps coast.
+void Drive::on_quick_stop() {
+  constexpr canopen::Raw kNoQuickStop = 0x0004;  // Controlword bit 2, CiA 402.
+  const auto control = model_.find("control_command");
+  if (control && (image_.commanded(static_cast<SignalId>(*control)) & kNoQuickStop) == 0) {
+    commands_.on_standstill();
+  } else {
+    commands_.on_fault();
+  }
+}
+
+void Drive::tell_alarms(SourceId source) {
+  if (is_from(fault_code_, source)) {
+    alarms_.on_fault_code(image_.raw(fault_code_->signal), image_.sources()[source].wall);
+  }
+  tell_bit(fault_, config::Severity::fault, source);
+  tell_bit(warning_, config::Severity::warning, source);
+}
+
+void Drive::tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
+  if (!is_from(indicator, source) || !was_online_) {
+    return;
+  }
+  const SourceState& state = image_.sources()[source];
+  alarms_.on_bit(severity, image_.raw(indicator->signal) != 0, inputs_.period_of(source), state.at, state.wall);
+  watch_bits(state.at);
+}
+
+/// An on-change TPDO says nothing while nothing changes, so it is read as long as a further value would tell more.
+void Drive::watch_bits(canopen::TimePoint now) {
+  const auto undecided = [&](const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
+    return is_from(indicator, source) && alarms_.emergencies().undecided(severity);
+  };
+  for (const std::optional<Indicator>* indicator : {&fault_, &warning_}) {
+    if (*indicator) {
+      const SourceId source = (*indicator)->source;
+      const bool wanted =
+          undecided(fault_, config::Severity::fault, source) || undecided(warning_, config::Severity::warning, source);
+      inputs_.watch(source, wanted, now);
+    }
+  }
+}
+
+void Drive::arm_expiry() {
+  // Called for each frame: the clock is read only where the timer is set.
+  const canopen::TimePoint next = inputs_.next_expiry();
+  if (next < expiry_for_) {
+    expiry_for_ = next;
+    expiry_.arm(canopen::or_soon(next));
+  }
 }
 
 }  // namespace process

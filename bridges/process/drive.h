@@ -2,17 +2,26 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bridges/process/alarm.h"
+#include "bridges/process/alarms.h"
 #include "bridges/process/command.h"
+#include "bridges/process/commands.h"
 #include "bridges/process/image.h"
+#include "bridges/process/inputs.h"
 #include "bridges/process/observer.h"
+#include "bridges/process/reader.h"
 #include "bridges/process/writer.h"
 #include "canopen/error.h"
 #include "canopen/nmt.h"
 #include "canopen/node/node_events.h"
+#include "canopen/node/remote_node.h"
+#include "canopen/wake_up.h"
 #include "config/model.h"
 
 namespace canopen {
@@ -21,13 +30,14 @@ class Bus;
 
 namespace process {
 
-/// One drive as the bridges see it: its model, its image, its alarms, its status, and the one way for commands.
-class Drive {
+/// One drive as the bridges see it: its model, its image, its alarms, its status, and the one way for commands. What
+/// its remote node tells it hands to inputs, alarms and commands, and what changes to the observers.
+class Drive final : private canopen::NodeEvents, private Inputs::Listener {
  public:
   /// `model`, `bus` and `observers` outlive the drive; `observers` may grow until start().
-  Drive(boost::asio::any_io_executor executor, const config::Drive& model, std::size_t index, canopen::Bus& bus,
+  Drive(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index, canopen::Bus& bus,
         const std::vector<Observer*>& observers);
-  ~Drive();
+  virtual ~Drive() = default;
   Drive(const Drive&) = delete;
   Drive& operator=(const Drive&) = delete;
 
@@ -38,31 +48,95 @@ class Drive {
   /// Pending commands are answered `offline`. Sends nothing to the drive.
   boost::asio::awaitable<void> stop();
 
-  [[nodiscard]] const config::Drive& model() const noexcept;
-  [[nodiscard]] std::size_t index() const noexcept;  ///< Position in config::Model::drives.
-  [[nodiscard]] const Image& image() const noexcept;
-  [[nodiscard]] const canopen::NodeStatus& status() const noexcept;
-  [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept;
+  [[nodiscard]] const config::Drive& model() const noexcept { return model_; }
+  [[nodiscard]] std::size_t index() const noexcept { return index_; }  ///< Position in config::Model::drives.
+  [[nodiscard]] const Image& image() const noexcept { return image_; }
+  [[nodiscard]] const canopen::NodeStatus& status() const noexcept { return node_.status(); }
+  [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept { return alarms_.alarm(kind); }
   /// Any alarm of a fault's severity is active / of a warning's.
-  [[nodiscard]] bool has_fault_alarm() const noexcept;
-  [[nodiscard]] bool has_warning_alarm() const noexcept;
+  [[nodiscard]] bool has_fault_alarm() const noexcept { return alarms_.any(config::Severity::fault); }
+  [[nodiscard]] bool has_warning_alarm() const noexcept { return alarms_.any(config::Severity::warning); }
 
   /// Writes signals, checked altogether before anything is sent (writer, access, type, range, drive reachable), then by
   /// RPDO or SDO. Confirmed when it returns a value. The error's detail names what was already written.
-  boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands = {});
-  boost::asio::awaitable<Outcome> nmt(Writer writer, canopen::NmtCommand command);
+  boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands = {}) {
+    return commands_.write(std::move(writer), std::move(fields), std::move(still_stands));
+  }
+  boost::asio::awaitable<Outcome> nmt(Writer writer, canopen::NmtCommand command) {
+    return commands_.nmt(std::move(writer), command);
+  }
   /// Any object. A read needs no writer's permission; a write of an object that is no writable signal needs `raw`, and
   /// one that is goes the signal's way with its limits.
-  boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object, canopen::DataType type);
-  boost::asio::awaitable<Outcome> sdo_write(Writer writer, canopen::ObjectValue value);
+  boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object,
+                                                                 canopen::DataType type) {
+    return commands_.sdo_read(object, type);
+  }
+  boost::asio::awaitable<Outcome> sdo_write(Writer writer, canopen::ObjectValue value) {
+    return commands_.sdo_write(std::move(writer), value);
+  }
 
   /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
   /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
-  void restore_emcy(const Alarm& alarm);
+  void restore_emcy(const Alarm& alarm) { alarms_.restore_emcy(alarm); }
 
  private:
-  class Body;
-  std::unique_ptr<Body> body_;
+  // canopen::NodeEvents
+  void on_status(const canopen::NodeStatus& status) override;
+  void on_boot_up() override;
+  void on_arrival(canopen::Arrival arrival) override;
+  void on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, canopen::TimePoint at,
+               canopen::WallTime wall) override;
+  void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) override;
+  void on_start_ignored() override { reader_.check_errors(); }
+  void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) override;
+  void on_frames_lost() override;
+
+  // Inputs::Listener
+  void on_values(SourceId source) override;
+  void on_stale(SourceId source) override;
+  void on_problems() override;
+  void on_remark(const std::string& text) override;  ///< Of both.
+  void on_read_wanted() override;
+
+  /// A signal that decides on alarms and on what may be sent again.
+  struct Indicator {
+    SignalId signal;
+    SourceId source;
+  };
+  [[nodiscard]] std::optional<Indicator> indicator(const std::optional<std::size_t>& signal) const;
+  [[nodiscard]] bool is_from(const std::optional<Indicator>& indicator, SourceId source) const noexcept {
+    return indicator && indicator->source == source;
+  }
+  void void_commands(SourceId source);
+  void on_quick_stop();
+  void tell_alarms(SourceId source);
+  void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
+  void watch_bits(canopen::TimePoint now);
+  void arm_expiry();
+  template <class Tell>
+  void tell(Tell tell_one) const;
+
+  const config::Drive& model_;
+  std::size_t index_;
+  const std::vector<Observer*>& observers_;
+  Image image_;
+  canopen::RemoteNode node_;
+  Inputs inputs_;
+  Alarms alarms_;
+  Commands commands_;
+  Reader reader_;
+  canopen::WakeUp expiry_;
+  canopen::TimePoint expiry_for_ = canopen::kNever;  ///< What it is set for.
+
+  std::optional<Indicator> fault_;
+  std::optional<Indicator> warning_;
+  std::optional<Indicator> running_;
+  std::optional<Indicator> quick_stop_;
+  std::optional<Indicator> fault_code_;
+  bool was_running_ = false;
+  bool had_fault_ = false;
+  bool had_quick_stop_ = false;
+  bool was_online_ = false;
 };
 
 }  // namespace process

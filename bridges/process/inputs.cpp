@@ -157,9 +157,13 @@ void Inputs::derive(const SourcePlan& plan) noexcept {
 }
 
 void Inputs::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) {
-  if (const std::optional<SourceId> source = find_tpdo(number)) {
-    feeds_[*source].tpdo.on_length(expected, received);
+  const std::optional<SourceId> source = find_tpdo(number);
+  if (source && received < expected) {
+    feeds_[*source].tpdo.on_too_short(expected, received);
     update_problem(*source);
+  } else if (source && !std::exchange(feeds_[*source].told_longer, true)) {
+    listener_.on_remark("TPDO" + std::to_string(number) + " has " + std::to_string(received) + " bytes, expected " +
+                        std::to_string(expected) + "; the first ones count");
   }
 }
 

@@ -42,6 +42,8 @@ class Inputs {
     virtual void on_stale(SourceId source) = 0;
     /// problems() changed.
     virtual void on_problems() = 0;
+    /// For the log: something that a person should know and nothing acts upon.
+    virtual void on_remark(const std::string& text) = 0;
     /// next_read_at() came nearer.
     virtual void on_read_wanted() = 0;
 
@@ -61,6 +63,7 @@ class Inputs {
   void on_boot_up();
   void on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, canopen::TimePoint at,
                canopen::WallTime wall);
+  /// A shorter one is a problem; a longer one, of which the first bytes count, is remarked once.
   void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received);
   /// No TPDO value is fresh until refreshed.
   void on_frames_lost(canopen::TimePoint now);
@@ -80,7 +83,7 @@ class Inputs {
   [[nodiscard]] canopen::Duration period_of(SourceId source) const noexcept;
 
   [[nodiscard]] std::span<const SourcePlan> plans() const noexcept { return plans_; }
-  /// What is wrong with TPDOs while the drive lives, one text each: overdue, not readable, of another length.
+  /// What is wrong with TPDOs while the drive lives, one text each: overdue, not readable, too short.
   [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
@@ -92,6 +95,7 @@ class Inputs {
     std::string problem;  ///< As last told.
     bool told_fresh = false;
     bool watched = false;
+    bool told_longer = false;
   };
 
   [[nodiscard]] SourceId source_count() const noexcept { return static_cast<SourceId>(plans_.size()); }

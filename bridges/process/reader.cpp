@@ -73,8 +73,9 @@ boost::asio::awaitable<void> Reader::read_errors() {
   check_at_ = canopen::TimePoint::max();
   not_before_ = canopen::Clock::now() + kCheckPause;
   const std::uint32_t emergencies = alarms_.emergencies().received();
+  const bool online = node_.status().online;
   const ErrorCheck check = co_await process::check_errors(model_, node_);
-  if (stopping_ || !node_.status().online) {
+  if (stopping_ || node_.status().online != online) {
     co_return;
   }
   const canopen::TimePoint now = canopen::Clock::now();
@@ -84,7 +85,7 @@ boost::asio::awaitable<void> Reader::read_errors() {
     co_return;
   }
   alarms_.on_readings(check.readings, now, canopen::wall_now());
-  if (check.again) {
+  if (check.again && online) {
     check_at_ = std::min(check_at_, now + kCheckAgain);
   }
 }

@@ -28,7 +28,7 @@ void TpdoWatch::end() {
   substituted_ = false;
   in_time_ = 0;
   due_ = canopen::TimePoint::max();
-  wrong_length_.reset();
+  too_short_.reset();
 }
 
 void TpdoWatch::on_frame(canopen::TimePoint at) {
@@ -38,7 +38,7 @@ void TpdoWatch::on_frame(canopen::TimePoint at) {
   const bool in_time = at - last_frame_ <= kFreshPeriods * period_;
   last_frame_ = at;
   overdue_ = false;
-  wrong_length_.reset();
+  too_short_.reset();
   if (cyclic()) {
     due_ = at + kFreshPeriods * period_;
     in_time_ = in_time ? static_cast<std::uint8_t>(std::min<int>(in_time_ + 1, kRegular)) : std::uint8_t{0};
@@ -46,9 +46,9 @@ void TpdoWatch::on_frame(canopen::TimePoint at) {
   }
 }
 
-void TpdoWatch::on_length(std::size_t expected, std::size_t received) {
+void TpdoWatch::on_too_short(std::size_t expected, std::size_t received) {
   if (active_) {
-    wrong_length_ = Lengths{expected, received};
+    too_short_ = Lengths{expected, received};
   }
 }
 
@@ -66,9 +66,9 @@ std::string TpdoWatch::problem(const std::optional<canopen::Error>& read_failure
     return {};
   }
   const std::string name = "TPDO" + std::to_string(number_);
-  if (wrong_length_) {
-    return name + " has " + std::to_string(wrong_length_->received) + " bytes, expected " +
-           std::to_string(wrong_length_->expected) + ", and is not decoded";
+  if (too_short_) {
+    return name + " has " + std::to_string(too_short_->received) + " bytes, expected " +
+           std::to_string(too_short_->expected) + ", and is not decoded";
   }
   if (overdue_ && !substituted_) {
     return name + " is overdue";

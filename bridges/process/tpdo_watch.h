@@ -26,7 +26,7 @@ class TpdoWatch {
   void end();
 
   void on_frame(canopen::TimePoint at);
-  void on_length(std::size_t expected, std::size_t received);
+  void on_too_short(std::size_t expected, std::size_t received);
 
   /// When expire() has to look; TimePoint::max() for never.
   [[nodiscard]] canopen::TimePoint due() const noexcept { return overdue_ ? canopen::TimePoint::max() : due_; }
@@ -53,7 +53,7 @@ class TpdoWatch {
   std::uint8_t in_time_ = 0;  ///< TPDOs in time, one after the other.
   canopen::TimePoint due_ = canopen::TimePoint::max();
   canopen::TimePoint last_frame_{};
-  std::optional<Lengths> wrong_length_;
+  std::optional<Lengths> too_short_;
 };
 
 }  // namespace process

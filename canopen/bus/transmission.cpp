@@ -32,13 +32,14 @@ Result<void> result_of(Departure departure) {
     case Departure::left:
       return {};
     case Departure::withdrawn:
-      return Error{.kind = ErrorKind::timeout, .detail = "not sent before its deadline; withdrawn"};
+      return Error{.kind = ErrorKind::timeout, .not_sent = true, .detail = "not sent before its deadline; withdrawn"};
     case Departure::unknown:
       return Error{.kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "its departure was not seen"};
     case Departure::offline:
       break;
   }
   return Error{.kind = ErrorKind::offline,
+               .not_sent = true,
                .detail = "the bus is down, or takes no command until a frame of ours has left"};
 }
 

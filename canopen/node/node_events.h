@@ -7,22 +7,19 @@
 
 #include "canopen/clock.h"
 #include "canopen/nmt.h"
+#include "canopen/node/boot_result.h"
 #include "canopen/node/emcy.h"
 #include "canopen/object.h"
 
 namespace canopen {
-
-inline constexpr std::uint8_t kBootOk = 0;
-inline constexpr std::uint8_t kNotBooted = 255;
 
 /// What is known of a node right now.
 struct NodeStatus {
   bool online = false;      ///< Error control alive, and booted or taken over, and the bus up.
   bool configured = false;  ///< Boot or takeover finished since the last boot-up or loss.
   NmtState nmt = NmtState::unknown;
-  /// kBootOk, kNotBooted, or a CiA 302-2 error letter ('A'..'O') as ASCII.
-  std::uint8_t boot_result = kNotBooted;
-  std::string boot_text;  ///< Why boot_result is a letter: object, expected, found. Empty where it is none.
+  BootResult boot_result = BootResult::not_booted;
+  std::string boot_text;  ///< Why boot_result is a letter, or why no more is known. Empty: nothing is wrong.
   std::optional<TimePoint> last_heartbeat;  ///< Heartbeat, boot-up or guarding answer.
   bool lost = false;           ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
   std::uint16_t boot_ups = 0;  ///< Counters wrap.
@@ -50,8 +47,11 @@ class NodeEvents {
   virtual void on_arrival(Arrival arrival) = 0;
   /// Values in mapping order, dummies included as 0.
   virtual void on_tpdo(std::uint16_t number, std::span<const Raw> values, TimePoint at, WallTime wall) = 0;
-  /// A TPDO of another length: not decoded.
+  /// A TPDO of another length than its mapping. A shorter one is not decoded; of a longer one the first bytes count,
+  /// and on_tpdo() follows.
   virtual void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) = 0;
+  /// NMT start left it as it was: an error may keep it from operational.
+  virtual void on_start_ignored() {}
   virtual void on_emcy(const Emcy& emcy, TimePoint at, WallTime wall) = 0;
   /// Frames of this bus were lost before we read them: TPDO values are suspect until refreshed.
   virtual void on_frames_lost() = 0;

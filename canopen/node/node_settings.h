@@ -9,6 +9,7 @@
 #include "canopen/clock.h"
 #include "canopen/node/emcy.h"
 #include "canopen/object.h"
+#include "canopen/sdo/sdo_settings.h"
 
 // What the master has to know of one node, as plain values. A profile and a site's configuration fill it.
 
@@ -71,14 +72,6 @@ struct ExpectedIdentity {
   std::optional<std::uint32_t> revision{};
   std::optional<std::uint32_t> serial{};
   friend bool operator==(const ExpectedIdentity&, const ExpectedIdentity&) = default;
-};
-
-struct SdoSettings {
-  Duration timeout = std::chrono::milliseconds(500);  ///< Of one answer frame.
-  unsigned retries = 2;               ///< Further tries of reads and boot writes. A command's SDO is sent once.
-  bool accept_short_answers = false;  ///< Answers that end after the bytes their command needs (AC300CAN1).
-  bool accept_upload_style_write_answer = false;  ///< 0x4B with the same object confirms a write (AC300CAN1).
-  friend bool operator==(const SdoSettings&, const SdoSettings&) = default;
 };
 
 struct ErrorControlSettings {

@@ -36,11 +36,11 @@ PdoPlan::PdoPlan(std::span<const MappedObject> mapping) {
 
 // A PDO is never longer than 64 bits: as one number, every field is a shift and a mask, wherever it begins.
 bool PdoPlan::decode(std::span<const std::uint8_t> bytes, std::span<Raw> values) const noexcept {
-  if (bytes.size() != byte_count_ || values.size() < fields_.size()) {
+  if (bytes.size() < byte_count_ || values.size() < fields_.size()) {
     return false;
   }
   Raw all = 0;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
+  for (std::size_t i = 0; i < byte_count_; ++i) {
     all |= Raw{bytes[i]} << (8 * i);
   }
   for (std::size_t i = 0; i < fields_.size(); ++i) {

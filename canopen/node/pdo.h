@@ -30,9 +30,9 @@ class PdoPlan {
   [[nodiscard]] std::size_t byte_count() const noexcept { return byte_count_; }
   [[nodiscard]] std::size_t field_count() const noexcept { return fields_.size(); }
 
-  /// Fills the first field_count() of `values` in mapping order, dummies as 0. False, and nothing written, where
-  /// `bytes` has another length than byte_count() or `values` is too small. Integers that are mapped with fewer bits
-  /// than their type are extended by their sign.
+  /// Fills the first field_count() of `values` in mapping order, dummies as 0. Bytes beyond byte_count() are ignored
+  /// (CiA 301 §7.2.2.5). False, and nothing written, where there are fewer or `values` is too small. Integers that
+  /// are mapped with fewer bits than their type are extended by their sign.
   [[nodiscard]] bool decode(std::span<const std::uint8_t> bytes, std::span<Raw> values) const noexcept;
 
   /// The PDO's bytes; dummies and unused bits are 0. `values` holds field_count() values in mapping order; bits beyond

@@ -16,27 +16,13 @@ constexpr std::uint8_t kTransmissionType = 2;
 constexpr std::uint8_t kInhibitTime = 3;
 constexpr std::uint8_t kEventTimer = 5;
 
-constexpr Raw kIdentifier = 0x1FFF'FFFF;
 constexpr Raw kInvalid = 0x8000'0000;       // Bit 31: the PDO does not exist.
 constexpr Raw kRtrForbidden = 0x4000'0000;  // Bit 30; devices keep it as they like, it says nothing of the COB-ID.
 
-/// Where a PDO of a node differs from its settings.
-struct Comparison {
-  std::optional<BootFailure> failure;  ///< It could not be read.
-  bool communication_absent = false;
-  bool mapping_absent = false;
-  Raw cob_id = 0;  ///< Sub 1 as read.
-  bool cob_id_differs = false;
-  std::vector<SetupItem> parameters;  ///< Type and times that differ.
-  bool mapping_differs = false;
-  bool timing_known = false;    ///< The node has all that decides when a TPDO comes.
-  bool timing_differs = false;  ///< Part of that differs.
-  bool must_not_write = false;  ///< Something with policy verify differs.
-  std::string text;             ///< The first difference.
+using Failure = std::optional<BootFailure>;
+using Items = std::vector<SetupItem>;
 
-  [[nodiscard]] bool differs() const noexcept { return cob_id_differs || !parameters.empty() || mapping_differs; }
-};
-
+/// One PDO of one node: where it differs from its settings, and the way to make it so.
 class PdoSetup {
  public:
   PdoSetup(SetupSession& session, PdoRole role, const PdoSettings& pdo)
@@ -47,254 +33,230 @@ class PdoSetup {
             (role == PdoRole::transmit ? kTpdoCommunication : kRpdoCommunication) + pdo.number - 1)),
         mapping_(static_cast<std::uint16_t>(communication_ + kMappingOffset)) {}
 
-  boost::asio::awaitable<Comparison> compare();
-  /// Writes what differs. `found` must not be a failure.
-  boost::asio::awaitable<std::optional<BootFailure>> apply(const Comparison& found);
-  /// Reads back what apply() wrote, and what a node may have changed by itself meanwhile.
-  boost::asio::awaitable<std::optional<BootFailure>> confirm(const Comparison& written);
+  boost::asio::awaitable<PdoSetupOutcome> run() {
+    PdoSetupOutcome outcome;
+    outcome.failure = co_await compare();
+    if (!outcome.failure && !difference_.empty()) {
+      if (may_write()) {
+        outcome.failure = co_await apply();
+      } else {
+        outcome.failure = session_.difference(difference_);
+      }
+    }
+    if (outcome.failure && !outcome.failure->interrupted && switched_off_) {
+      co_await mend(*outcome.failure);
+    }
+    outcome.absent = absent_;
+    outcome.timing_confirmed = timing_known_ && !outcome.failure;
+    co_return outcome;
+  }
 
  private:
-  boost::asio::awaitable<void> compare_parameters(Comparison& found);
-  boost::asio::awaitable<void> compare_mapping(Comparison& found);
-  boost::asio::awaitable<std::optional<BootFailure>> write(SetupItem item);
-  boost::asio::awaitable<std::optional<BootFailure>> write_mapping();
-  boost::asio::awaitable<std::optional<BootFailure>> confirm_item(SetupItem item, Raw ignored = 0);
-  [[nodiscard]] Raw enabled_cob_id(const Comparison& found) const;
+  boost::asio::awaitable<Failure> compare() {
+    const SetupItem item = cob_id_item(pdo_.cob_id);
+    const Result<Raw> found = co_await session_.read(item.object, item.type);
+    if (found.has_error()) {
+      absent_ = is_absent(found.error());
+      co_return absent_ ? std::nullopt : Failure(session_.failure(found.error(), item.name));
+    }
+    cob_id_ = found.value();
+    Failure failure = compare_cob_id();
+    if (!failure && pdo_.communication != SetupPolicy::assume) {
+      failure = co_await compare_parameters();
+    }
+    if (!failure && pdo_.mapping_policy == SetupPolicy::write && !difference_.empty() && may_write()) {
+      failure = co_await switch_off();  // Some clear the mapping then, so it is looked at after that.
+    }
+    if (!failure && pdo_.mapping_policy != SetupPolicy::assume) {
+      failure = co_await compare_mapping();
+    }
+    co_return failure;
+  }
 
-  [[nodiscard]] std::vector<SetupItem> wanted_parameters() const;
-  [[nodiscard]] SetupItem cob_id_item(Raw wanted) const;
-  [[nodiscard]] SetupItem count_item(std::size_t count) const;
-  [[nodiscard]] SetupItem entry_item(std::size_t position) const;
-  void note(Comparison& found, SetupPolicy policy, const SetupItem& item, Raw value) const;
+  Failure compare_cob_id() {
+    const Raw shown = cob_id_ & ~kRtrForbidden;
+    const bool assumed = pdo_.communication == SetupPolicy::assume;
+    // A set-up of the mapping that was interrupted leaves it like that, and no PDO would ever pass.
+    const bool left_off = pdo_.mapping_policy == SetupPolicy::write && shown == (pdo_.cob_id | kInvalid);
+    if (left_off || (!assumed && shown != pdo_.cob_id)) {
+      note(left_off ? SetupPolicy::write : pdo_.communication, cob_id_item(pdo_.cob_id), cob_id_);
+    } else if (assumed && pdo_.mapping_policy == SetupPolicy::write && (cob_id_ & kInvalid) != 0) {
+      // Another COB-ID was never meant to be used.
+      return session_.difference(name_ + " is switched off and has another COB-ID than assumed");
+    }
+    return std::nullopt;
+  }
+
+  boost::asio::awaitable<Failure> compare_parameters() {
+    timing_known_ = pdo_.transmission_type.has_value();
+    for (const SetupItem& item : wanted_parameters()) {
+      const Result<Raw> found = co_await session_.read(item.object, item.type);
+      if (found.has_value() && found.value() != item.wanted) {
+        note(pdo_.communication, item, found.value());
+        parameters_.push_back(item);
+      } else if (found.has_error() && is_absent(found.error())) {
+        timing_known_ = timing_known_ && item.object.sub == kInhibitTime;
+      } else if (found.has_error()) {
+        co_return session_.failure(found.error(), item.name);
+      }
+    }
+    co_return std::nullopt;
+  }
+
+  boost::asio::awaitable<Failure> compare_mapping() {
+    for (const SetupItem& item : wanted_mapping()) {
+      const Result<Raw> found = co_await session_.read(item.object, item.type);
+      if (found.has_error()) {
+        absent_ = item.object.sub == 0 && is_absent(found.error());
+        co_return absent_ ? std::nullopt : Failure(session_.failure(found.error(), item.name));
+      }
+      if (found.value() != item.wanted) {
+        note(pdo_.mapping_policy, item, found.value());
+        mapping_differs_ = true;
+        break;
+      }
+    }
+    co_return std::nullopt;
+  }
+
+  void note(SetupPolicy policy, const SetupItem& item, Raw found) {
+    must_not_write_ = must_not_write_ || policy == SetupPolicy::verify;
+    if (difference_.empty()) {
+      difference_ = difference_text(item, found);
+    }
+  }
+
+  [[nodiscard]] bool may_write() const { return !session_.inspecting() && !must_not_write_; }
+
+  boost::asio::awaitable<Failure> write(const SetupItem& item) {
+    const Result<void> written = co_await session_.write(item.object, item.type, item.wanted);
+    if (written.has_error()) {
+      co_return session_.failure(written.error(), "writing " + item.name + " = 0x" + hex(item.wanted, 1));
+    }
+    co_return std::nullopt;
+  }
+
+  boost::asio::awaitable<Failure> switch_off() {
+    Failure failure;
+    if (!switched_off_ && found_valid()) {
+      failure = co_await write(cob_id_item(cob_id_ | kInvalid));
+    }
+    switched_off_ = !failure;
+    co_return failure;
+  }
+
+  // The order of CiA 301 §7.5.2.36: many devices refuse any change while the PDO is valid, some change the mapping's
+  // sub 0 to 0 by themselves meanwhile, and COB-IDs may be changed only while it is invalid.
+  boost::asio::awaitable<Failure> apply() {
+    Failure failure = co_await switch_off();
+    Items items = parameters_;
+    if (mapping_differs_) {
+      const Items mapping = wanted_mapping();
+      items.insert(items.begin(), mapping.begin(), mapping.end());
+      items.front().wanted = 0;
+      items.insert(items.begin() + static_cast<std::ptrdiff_t>(mapping.size()), mapping.front());
+    }
+    items.push_back(cob_id_item(enabled()));
+    for (std::size_t i = 0; !failure && i < items.size(); ++i) {
+      failure = co_await write(items[i]);
+    }
+    if (!failure) {
+      switched_off_ = false;
+      failure = co_await confirm();
+    }
+    co_return failure;
+  }
+
+  /// It failed half-way: switches a PDO on again whose mapping is as it was. Of others people must know, for where its
+  /// settings are only verified or assumed later nothing else would do it.
+  boost::asio::awaitable<void> mend(BootFailure& failure) {
+    bool left_off = true;
+    if (!mapping_differs_ && found_valid()) {
+      const Failure refused = co_await write(cob_id_item(cob_id_));
+      left_off = refused.has_value();
+    }
+    if (left_off) {
+      failure.text += "; " + name_ + " is left switched off";
+    }
+  }
+
+  /// Reads back what was written.
+  boost::asio::awaitable<Failure> confirm() {
+    Items items = parameters_;
+    items.insert(items.begin(), cob_id_item(enabled()));
+    // One that is only verified was looked at before the PDO was switched off, and some clear the count then.
+    if (mapping_differs_ || (pdo_.mapping_policy == SetupPolicy::verify && !absent_)) {
+      const Items mapping = wanted_mapping();
+      items.insert(items.end(), mapping.begin(), mapping_differs_ ? mapping.end() : mapping.begin() + 1);
+    }
+    for (const SetupItem& item : items) {
+      const Result<Raw> found = co_await session_.read(item.object, item.type);
+      if (found.has_error()) {
+        co_return session_.failure(found.error(), item.name);
+      }
+      const Raw ignored = item.object == ObjectAddress{communication_, kCobId} ? kRtrForbidden : 0;
+      if (((found.value() ^ item.wanted) & ~ignored) != 0) {
+        co_return session_.difference(difference_text(item, found.value()) + " after it was written");
+      }
+    }
+    co_return std::nullopt;
+  }
+
+  [[nodiscard]] bool found_valid() const { return (cob_id_ & kInvalid) == 0; }
+  [[nodiscard]] Raw enabled() const {
+    return pdo_.communication == SetupPolicy::assume ? cob_id_ & ~kInvalid : (cob_id_ & kRtrForbidden) | pdo_.cob_id;
+  }
+  [[nodiscard]] SetupItem cob_id_item(Raw wanted) const {
+    return {{communication_, kCobId}, DataType::u32, wanted, name_ + " COB-ID", pdo_.communication};
+  }
+  [[nodiscard]] Items wanted_parameters() const {
+    Items items;
+    const auto add = [&](std::uint8_t sub, DataType type, const auto& wanted, const char* what) {
+      if (wanted) {
+        items.push_back({{communication_, sub}, type, *wanted, name_ + what, pdo_.communication});
+      }
+    };
+    add(kTransmissionType, DataType::u8, pdo_.transmission_type, " transmission type");
+    add(kInhibitTime, DataType::u16, pdo_.inhibit_time, " inhibit time");
+    add(kEventTimer, DataType::u16, pdo_.event_timer, " event timer");
+    return items;
+  }
+  /// The number of objects first, then each.
+  [[nodiscard]] Items wanted_mapping() const {
+    Items items{
+        {{mapping_, 0}, DataType::u8, pdo_.mapping.size(), name_ + " number of mapped objects", pdo_.mapping_policy}};
+    for (const MappedObject& mapped : pdo_.mapping) {
+      const Raw entry = (Raw{mapped.object.index} << 16U) | (Raw{mapped.object.sub} << 8U) | mapped.bits;
+      const auto sub = static_cast<std::uint8_t>(items.size());
+      items.push_back({{mapping_, sub}, DataType::u32, entry, name_ + " mapping", pdo_.mapping_policy});
+    }
+    return items;
+  }
 
   SetupSession& session_;
   const PdoSettings& pdo_;
   std::string name_;
   std::uint16_t communication_;
   std::uint16_t mapping_;
+
+  bool absent_ = false;
+  Raw cob_id_ = 0;    ///< Sub 1 as found.
+  Items parameters_;  ///< Type and times that differ.
+  bool mapping_differs_ = false;
+  bool switched_off_ = false;    ///< By us, or found so and begun with.
+  bool timing_known_ = false;    ///< The node has all that decides when a TPDO comes.
+  bool must_not_write_ = false;  ///< Something with policy verify differs.
+  std::string difference_;       ///< The first one; empty: none.
 };
-
-boost::asio::awaitable<Comparison> PdoSetup::compare() {
-  Comparison found;
-  const Result<Raw> cob_id = co_await session_.read({communication_, kCobId}, DataType::u32);
-  if (cob_id.has_error()) {
-    found.communication_absent = is_absent(cob_id.error());
-    if (!found.communication_absent) {
-      found.failure = session_.failure(cob_id.error(), name_ + " COB-ID");
-    }
-    co_return found;
-  }
-  found.cob_id = cob_id.value();
-  if (pdo_.communication != SetupPolicy::assume) {
-    found.cob_id_differs = (found.cob_id & ~kRtrForbidden) != pdo_.cob_id;
-    if (found.cob_id_differs) {
-      note(found, pdo_.communication, cob_id_item(pdo_.cob_id), found.cob_id);
-    }
-    co_await compare_parameters(found);
-  } else if (pdo_.mapping_policy == SetupPolicy::write && (found.cob_id & kInvalid) != 0) {
-    // An earlier set-up of the mapping that was interrupted leaves it like that; no TPDO would ever come. Another
-    // COB-ID was never meant to be used.
-    found.cob_id_differs = true;
-    note(found, pdo_.mapping_policy, cob_id_item(found.cob_id & ~kInvalid), found.cob_id);
-    if ((found.cob_id & kIdentifier) != pdo_.cob_id) {
-      found.failure = session_.difference(name_ + " is switched off and has another COB-ID than assumed");
-    }
-  }
-  if (!found.failure && pdo_.mapping_policy != SetupPolicy::assume) {
-    co_await compare_mapping(found);
-  }
-  co_return found;
-}
-
-boost::asio::awaitable<void> PdoSetup::compare_parameters(Comparison& found) {
-  found.timing_known = pdo_.transmission_type.has_value();
-  for (const SetupItem& item : wanted_parameters()) {
-    const Result<Raw> value = co_await session_.read(item.object, item.type);
-    const bool timing = item.object.sub != kInhibitTime;
-    if (value.has_error()) {
-      if (!is_absent(value.error())) {
-        found.failure = session_.failure(value.error(), item.name);
-        co_return;
-      }
-      found.timing_known = found.timing_known && !timing;
-    } else if (value.value() != item.wanted) {
-      note(found, pdo_.communication, item, value.value());
-      found.parameters.push_back(item);
-      found.timing_differs = found.timing_differs || timing;
-    }
-  }
-}
-
-boost::asio::awaitable<void> PdoSetup::compare_mapping(Comparison& found) {
-  const SetupItem count = count_item(pdo_.mapping.size());
-  const Result<Raw> mapped = co_await session_.read(count.object, count.type);
-  if (mapped.has_error()) {
-    found.mapping_absent = is_absent(mapped.error());
-    if (!found.mapping_absent) {
-      found.failure = session_.failure(mapped.error(), count.name);
-    }
-    co_return;
-  }
-  if (mapped.value() != count.wanted) {
-    found.mapping_differs = true;
-    note(found, pdo_.mapping_policy, count, mapped.value());
-    co_return;
-  }
-  for (std::size_t position = 0; position < pdo_.mapping.size(); ++position) {
-    const SetupItem entry = entry_item(position);
-    const Result<Raw> value = co_await session_.read(entry.object, entry.type);
-    if (value.has_error()) {
-      found.failure = session_.failure(value.error(), entry.name);
-      co_return;
-    }
-    if (value.value() != entry.wanted) {
-      found.mapping_differs = true;
-      note(found, pdo_.mapping_policy, entry, value.value());
-      co_return;
-    }
-  }
-}
-
-// The order of CiA 301 §7.5.2.36: many devices refuse any change while the PDO is valid, some change the mapping's sub
-// 0 to 0 by themselves meanwhile, and COB-IDs may be changed only while it is invalid.
-boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::apply(const Comparison& found) {
-  std::optional<BootFailure> failure;
-  if ((found.cob_id & kInvalid) == 0) {
-    failure = co_await write(cob_id_item(found.cob_id | kInvalid));
-  }
-  if (!failure && found.mapping_differs) {
-    failure = co_await write_mapping();
-  }
-  for (std::size_t i = 0; !failure && i < found.parameters.size(); ++i) {
-    failure = co_await write(found.parameters[i]);
-  }
-  if (!failure) {
-    failure = co_await write(cob_id_item(enabled_cob_id(found)));
-  }
-  co_return failure;
-}
-
-boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::confirm(const Comparison& written) {
-  std::vector<SetupItem> items = written.parameters;
-  if (pdo_.mapping_policy != SetupPolicy::assume && !written.mapping_absent) {
-    items.push_back(count_item(pdo_.mapping.size()));  // Some clear it when the PDO is switched off.
-  }
-  for (std::size_t position = 0; written.mapping_differs && position < pdo_.mapping.size(); ++position) {
-    items.push_back(entry_item(position));
-  }
-  std::optional<BootFailure> failure = co_await confirm_item(cob_id_item(enabled_cob_id(written)), kRtrForbidden);
-  for (std::size_t i = 0; !failure && i < items.size(); ++i) {
-    failure = co_await confirm_item(items[i]);
-  }
-  co_return failure;
-}
-
-boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::confirm_item(SetupItem item, Raw ignored) {
-  std::optional<BootFailure> failure;
-  const Result<Raw> value = co_await session_.read(item.object, item.type);
-  if (value.has_error()) {
-    failure = session_.failure(value.error(), item.name);
-  } else if ((value.value() & ~ignored) != (item.wanted & ~ignored)) {
-    failure = session_.difference(difference_text(item, value.value()) + " after it was written");
-  }
-  co_return failure;
-}
-
-Raw PdoSetup::enabled_cob_id(const Comparison& found) const {
-  return pdo_.communication == SetupPolicy::assume ? found.cob_id & ~kInvalid
-                                                   : (found.cob_id & kRtrForbidden) | pdo_.cob_id;
-}
-
-boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::write_mapping() {
-  std::optional<BootFailure> failure = co_await write(count_item(0));
-  for (std::size_t position = 0; !failure && position < pdo_.mapping.size(); ++position) {
-    failure = co_await write(entry_item(position));
-  }
-  if (!failure) {
-    failure = co_await write(count_item(pdo_.mapping.size()));
-  }
-  co_return failure;
-}
-
-boost::asio::awaitable<std::optional<BootFailure>> PdoSetup::write(SetupItem item) {
-  std::optional<BootFailure> failure;
-  const Result<void> written = co_await session_.write(item.object, item.type, item.wanted);
-  if (written.has_error()) {
-    failure = session_.failure(written.error(), "writing " + item.name + " = 0x" + hex(item.wanted, 1));
-  }
-  co_return failure;
-}
-
-std::vector<SetupItem> PdoSetup::wanted_parameters() const {
-  std::vector<SetupItem> items;
-  if (pdo_.transmission_type) {
-    items.push_back({{communication_, kTransmissionType},
-                     DataType::u8,
-                     *pdo_.transmission_type,
-                     name_ + " transmission type",
-                     pdo_.communication});
-  }
-  if (pdo_.inhibit_time) {
-    items.push_back({{communication_, kInhibitTime},
-                     DataType::u16,
-                     *pdo_.inhibit_time,
-                     name_ + " inhibit time",
-                     pdo_.communication});
-  }
-  if (pdo_.event_timer) {
-    items.push_back(
-        {{communication_, kEventTimer}, DataType::u16, *pdo_.event_timer, name_ + " event timer", pdo_.communication});
-  }
-  return items;
-}
-
-SetupItem PdoSetup::cob_id_item(Raw wanted) const {
-  return {{communication_, kCobId}, DataType::u32, wanted, name_ + " COB-ID", pdo_.communication};
-}
-
-SetupItem PdoSetup::count_item(std::size_t count) const {
-  return {{mapping_, 0}, DataType::u8, count, name_ + " number of mapped objects", pdo_.mapping_policy};
-}
-
-SetupItem PdoSetup::entry_item(std::size_t position) const {
-  const MappedObject& mapped = pdo_.mapping[position];
-  const Raw entry = (Raw{mapped.object.index} << 16U) | (Raw{mapped.object.sub} << 8U) | mapped.bits;
-  const auto sub = static_cast<std::uint8_t>(position + 1);
-  return {{mapping_, sub}, DataType::u32, entry, name_ + " mapping", pdo_.mapping_policy};
-}
-
-void PdoSetup::note(Comparison& found, SetupPolicy policy, const SetupItem& item, Raw value) const {
-  found.must_not_write = found.must_not_write || policy == SetupPolicy::verify;
-  if (found.text.empty()) {
-    found.text = difference_text(item, value);
-  }
-}
 
 }  // namespace
 
 boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRole role, const PdoSettings& pdo) {
-  PdoSetupOutcome outcome;
   if (pdo.communication == SetupPolicy::assume && pdo.mapping_policy == SetupPolicy::assume) {
-    co_return outcome;
+    co_return PdoSetupOutcome{};
   }
   PdoSetup setup(session, role, pdo);
-  const Comparison found = co_await setup.compare();
-  outcome.failure = found.failure;
-  outcome.timing_confirmed = found.timing_known && !found.timing_differs;
-  outcome.absent = found.communication_absent || found.mapping_absent;
-  if (outcome.failure || !found.differs()) {
-    co_return outcome;
-  }
-  if (session.inspecting() || found.must_not_write) {
-    outcome.failure = session.difference(found.text);
-    co_return outcome;
-  }
-  outcome.failure = co_await setup.apply(found);
-  if (!outcome.failure) {
-    outcome.failure = co_await setup.confirm(found);
-  }
-  outcome.timing_confirmed = found.timing_known && !outcome.failure;
-  co_return outcome;
+  co_return co_await setup.run();
 }
 
 }  // namespace canopen

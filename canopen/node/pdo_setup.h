@@ -22,7 +22,8 @@ struct PdoSetupOutcome {
 
 /// Makes one PDO so (CiA 301 §7.5.2.33 to §7.5.2.38), or only looks whether it is: COB-ID, transmission type, inhibit
 /// time, event timer and mapping. Writes nothing where nothing differs; else disables the PDO, writes what differs,
-/// enables it and reads back what it wrote, and how many objects are mapped. `pdo` and `session` outlive the call.
+/// enables it and reads back what it wrote. A mapping that may be written is compared while the PDO is disabled, for
+/// some devices clear it then. `pdo` and `session` outlive the call.
 boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRole role, const PdoSettings& pdo);
 
 }  // namespace canopen

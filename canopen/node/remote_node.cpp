@@ -1,84 +1,303 @@
+// The life of a node: found, inspected or configured, started, served, and again.
+
 #include "canopen/node/remote_node.h"
 
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <exception>
 #include <utility>
 
-#include "canopen/node/node_supervisor.h"
+#include "canopen/bus/bus.h"
+#include "canopen/communication_objects.h"
 
 namespace canopen {
+namespace {
+
+// How often a silent node is asked by SDO whether it is there: one frame, so that a node is found that neither boots
+// visibly nor has a heartbeat.
+constexpr Duration kProbeInterval = std::chrono::seconds(3);
+// Before a node that could not be configured or taken over is tried again.
+constexpr Duration kRetryInterval = std::chrono::seconds(5);
+// Before one that was left alone is looked at again: only somebody else can put it right.
+constexpr Duration kLookInterval = std::chrono::minutes(1);
+// Keeps a life that fails at once, as with a full transmit queue, from spinning.
+constexpr Duration kBreath = std::chrono::milliseconds(10);
+
+}  // namespace
 
 RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSettings settings, NodeEvents& events)
-    : supervisor_(std::make_unique<Supervisor>(std::move(executor), bus, std::move(settings), events)) {}
-
-RemoteNode::~RemoteNode() = default;
+    : executor_(std::move(executor)),
+      bus_(bus),
+      settings_(std::move(settings)),
+      events_(events),
+      changed_(executor_),
+      ended_(executor_),
+      sdo_(executor_, bus, settings_.node, settings_.sdo),
+      outputs_(executor_, bus, settings_.node, settings_.rpdos),
+      watch_(
+          executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
+          [this] { on_silence(); }, [this](TimePoint until) { return bus_.may_still_hear(until); }),
+      expectation_(settings_.error_control.heartbeat_timeout),
+      restart_(settings_.restart) {
+  sdo_.on_abort(
+      [this](std::uint32_t code) { change_status([code](NodeStatus& status) { status.last_abort = code; }); });
+  sdo_.on_remark([this](std::string_view text) { events_.on_remark(std::string(text)); });
+  tpdos_.reserve(settings_.tpdos.size());
+  for (const PdoSettings& tpdo : settings_.tpdos) {
+    tpdos_.push_back({tpdo.number, PdoPlan(tpdo.mapping)});
+  }
+}
 
 void RemoteNode::start() {
-  supervisor_->start();
-}
-
-boost::asio::awaitable<void> RemoteNode::stop() {
-  return supervisor_->stop();
-}
-
-const NodeSettings& RemoteNode::settings() const noexcept {
-  return supervisor_->settings();
-}
-
-const NodeStatus& RemoteNode::status() const noexcept {
-  return supervisor_->status();
-}
-
-TimePoint RemoteNode::heard_until() const {
-  return supervisor_->heard_until();
-}
-
-bool RemoteNode::tpdo_verified(std::uint16_t number) const noexcept {
-  return supervisor_->tpdo_verified(number);
-}
-
-boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataType type, TimePoint due) {
-  return supervisor_->read(object, type, due);
-}
-
-boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
-                                                       StillStands still_stands) {
-  return supervisor_->write(object, type, raw, deadline, std::move(still_stands));
+  subscribe();
+  running_ = true;
+  boost::asio::co_spawn(executor_, run(), [this](std::exception_ptr failure) {
+    running_ = false;
+    ended_.notify();
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
+  });
 }
 
 void RemoteNode::close() {
-  supervisor_->close();
+  closing_ = true;
+  if (stage_ != Stage::serving) {
+    end_life(LifeEnd::removed);
+  }
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, TimePoint deadline) {
-  return supervisor_->command(command, deadline);
+boost::asio::awaitable<void> RemoteNode::stop() {
+  closing_ = true;
+  stopping_ = true;
+  subscriptions_.clear();
+  watch_.suspend();
+  end_life(LifeEnd::removed);
+  withdraw_nmt(true);
+  status_.online = false;
+  settle_start_requests(offline_error({}, "removed while it was booted"));
+  while (running_ || operations_ > 0) {
+    co_await ended_.wait_until(TimePoint::max());
+  }
+  co_await sdo_.until_idle();
+  co_await outputs_.until_idle();
 }
 
-std::uint16_t RemoteNode::rpdo_of(ObjectAddress object) const noexcept {
-  return supervisor_->rpdos().rpdo_of(object);
+boost::asio::awaitable<void> RemoteNode::run() {
+  while (!closing_) {
+    const TimePoint begun = Clock::now();
+    Life life(changed_);
+    life_ = &life;
+    co_await live(life);
+    life_ = nullptr;
+    while (!closing_ && Clock::now() < begun + kBreath) {
+      co_await changed_.wait_until(begun + kBreath);
+    }
+  }
 }
 
-bool RemoteNode::rpdo_complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept {
-  return supervisor_->rpdos().complete(number, fields);
+boost::asio::awaitable<void> RemoteNode::live(Life& life) {
+  co_await bus_up(life);
+  const FoundState found = co_await find(life);
+  if (life.over()) {
+    co_return;
+  }
+  if (found == FoundState::silent) {
+    co_await stay_silent(life);
+    co_return;
+  }
+  if (to_be_held(found)) {
+    co_await hold_back(life, found);
+    co_return;
+  }
+  BootReport report;
+  if (found == FoundState::operational) {
+    report = co_await take_over(context(life));
+  } else if (found != FoundState::not_asked) {
+    report = co_await boot(context(life), found);
+  }
+  if (life.over()) {
+    co_return;
+  }
+  if (stage_ == Stage::serving) {
+    settle_start_requests({});
+    co_await serve(life);
+  } else {
+    co_await stay_away(life, std::move(report));
+  }
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
-                                                           TimePoint deadline) {
-  return supervisor_->send_rpdo(number, std::move(fields), deadline);
+boost::asio::awaitable<void> RemoteNode::bus_up(Life& life) {
+  enter(Stage::searching);
+  if (!bus_.state().up() && !watch_.watching() && !status_.lost) {
+    watch_.watch(Clock::now());  // A node that nobody can hear is missing, whatever the reason.
+  }
+  while (!bus_.state().up() && !life.over()) {
+    co_await life.wait_until(TimePoint::max());
+  }
 }
 
-void RemoteNode::note_commanded(const ObjectValue& value) {
-  supervisor_->rpdos().note(value);
+boost::asio::awaitable<FoundState> RemoteNode::find(Life& life) {
+  if (!heartbeat_is_fresh()) {
+    heard_.state.reset();
+    heard_.heartbeat_at.reset();
+    heard_.by_guarding = false;
+  }
+  const auto tell = [this](std::string text) {
+    change_status([&text](NodeStatus& status) { status.boot_text = std::move(text); });
+  };
+  const FoundState found = co_await find_state(context(life), tell);
+  if (!life.over() && found == FoundState::operational && heard_.state != NmtState::operational) {
+    heard_.state = NmtState::operational;  // By its TPDOs: nothing else tells.
+    static_cast<void>(expectation_.hear(NmtState::operational, Clock::now()));
+    change_status([](NodeStatus& status) { status.nmt = NmtState::operational; });
+  }
+  co_return found;
 }
 
-void RemoteNode::hold_repetition(ObjectAddress object) {
-  supervisor_->rpdos().hold(object);
+/// What runs is compared, and left as it is where it differs.
+boost::asio::awaitable<BootReport> RemoteNode::take_over(LifeContext context) {
+  enter(Stage::inspecting);
+  BootReport report = co_await inspect(context);
+  if (report.ok() && expects_heartbeat(settings_) && !heard_.heartbeat_at) {
+    const bool alive = co_await heartbeat_after(context, Clock::now());
+    if (!alive) {
+      report.letter = BootResult::no_error_control;
+      report.text = heard_.by_guarding ? "it sends no heartbeat, 0x1017:00 is 0; guarding is not supported in its place"
+                                       : "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
+    }
+  }
+  if (context.life.over()) {
+    co_return report;
+  }
+  if (report.letter == BootResult::left_alone) {
+    const bool again = settings_.reconfigure_running || co_await started_itself(context);
+    if (again && !context.life.over()) {
+      co_return co_await boot(context, FoundState::operational);
+    }
+    report.text += half_done_.empty() ? "" : "; our configuration of it was interrupted: " + half_done_;
+  } else if (report.ok()) {
+    accept(report);
+    go_online(Arrival::taken_over);
+  }
+  co_return report;
 }
 
-void RemoteNode::forget_commanded(ObjectAddress object) {
-  supervisor_->rpdos().forget(object);
+boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundState found) {
+  enter(Stage::configuring);
+  for (StartRequest* request : start_requests_) {
+    request->begun = true;
+  }
+  BootReport report;
+  // A stopped node answers no SDO; an operational one refuses most settings.
+  if (found == FoundState::stopped || found == FoundState::operational) {
+    report.interrupted = !co_await make_pre_operational();
+  }
+  if (!report.interrupted) {
+    report = co_await configure(context, found);
+  }
+  if (report.letter == BootResult::not_configured && co_await started_itself(context)) {
+    report.interrupted = !co_await make_pre_operational();
+    if (!report.interrupted) {
+      report = co_await configure(context, FoundState::not_operational);
+    }
+  }
+  if (!report.ok() || context.life.over()) {
+    co_return report;
+  }
+  accept(report);
+  if (expectation_.may_start()) {
+    co_return co_await start_node(context);
+  }
+  go_online(Arrival::booted);  // Configured, and held back from starting.
+  co_return report;
 }
 
-void RemoteNode::void_rpdos(bool keep_repeating) {
-  supervisor_->rpdos().make_void(keep_repeating);
+boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
+  enter(Stage::starting);
+  BootReport report;
+  const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime, true);
+  if (left.has_error() || context.life.over()) {
+    report.interrupted = true;
+    co_return report;
+  }
+  expectation_.leave(NmtCommand::start, Clock::now());
+  settle_start_requests({});
+  if (!expects_heartbeat(settings_)) {
+    heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
+    go_online(Arrival::booted);
+  }
+  const TimePoint until = expectation_.settled_at();
+  while (stage_ == Stage::starting && !context.life.over() && bus_.may_still_hear(until)) {
+    co_await context.life.wait_until(or_soon(until));
+  }
+  if (stage_ == Stage::starting && !context.life.over()) {
+    expectation_.release();
+    report.letter = BootResult::not_configured;
+    report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt));
+    report.text += co_await error_text(context);
+    events_.on_start_ignored();
+  }
+  co_return report;
+}
+
+boost::asio::awaitable<void> RemoteNode::serve(Life& life) {
+  while (!life.over()) {
+    co_await life.wait_until(restart_.at());
+    co_await restart_if_due(life);
+  }
+}
+
+boost::asio::awaitable<void> RemoteNode::stay_silent(Life& life) {
+  enter(Stage::silent);
+  change_status([](NodeStatus& status) {
+    note_not_booted(status);
+    status.lost = true;
+    status.nmt = NmtState::unknown;
+  });
+  co_await pause(life, Clock::now() + kProbeInterval);
+}
+
+/// It waits for another try, or for somebody to put it right.
+boost::asio::awaitable<void> RemoteNode::stay_away(Life& life, BootReport report) {
+  enter(Stage::waiting);
+  const bool told_by_itself = report.letter == BootResult::left_alone && !heard_.by_guarding;
+  if (is_letter(report.letter)) {
+    Error refused = offline_error({}, std::string(text_of(report.letter)) + ": " + report.text);
+    refused.kind = ErrorKind::refused;
+    settle_start_requests(refused);
+    change_status([&report](NodeStatus& status) {
+      status.configured = false;
+      status.boot_result = report.letter;
+      status.boot_text = std::move(report.text);
+    });
+  }
+  co_await pause(life, Clock::now() + (told_by_itself ? kLookInterval : kRetryInterval));
+}
+
+/// Neither configured nor started: it left operational by itself, or somebody stopped it.
+boost::asio::awaitable<void> RemoteNode::hold_back(Life& life, FoundState found) {
+  enter(Stage::held);
+  change_status([this, found](NodeStatus& status) {
+    status.configured = false;
+    if (expectation_.left_by_itself()) {
+      note_left_by_itself(status);
+    } else if (found == FoundState::stopped && !expectation_.held_by_command()) {
+      status.boot_result = BootResult::not_configured;
+      status.boot_text = "it was found stopped; it is left so until an NMT start command or its boot-up";
+    }
+  });
+  if (found != FoundState::stopped && !sdo_.answered()) {
+    static_cast<void>(co_await sdo_.probe(kDeviceType, DataType::u32));  // Reads are let through where it answers.
+  }
+  co_await pause(life, std::min(Clock::now() + kRetryInterval, restart_.at()));
+  co_await restart_if_due(life);
+}
+
+boost::asio::awaitable<void> RemoteNode::pause(Life& life, TimePoint until) {
+  while (!life.over() && Clock::now() < until) {
+    co_await life.wait_until(until);
+  }
 }
 
 }  // namespace canopen

@@ -2,44 +2,62 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <memory>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "canopen/bus/subscription.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
+#include "canopen/event.h"
+#include "canopen/node/configure.h"
+#include "canopen/node/find_state.h"
+#include "canopen/node/heartbeat_consumer.h"
+#include "canopen/node/life_context.h"
+#include "canopen/node/nmt_expectation.h"
 #include "canopen/node/node_events.h"
 #include "canopen/node/node_settings.h"
-#include "canopen/node/still_stands.h"
+#include "canopen/node/outputs.h"
+#include "canopen/node/pdo.h"
+#include "canopen/node/restart.h"
+#include "canopen/sdo/client.h"
+#include "canopen/still_stands.h"
 
 namespace canopen {
 
 class Bus;
+struct BusState;
+struct Received;
 
-/// A drive as the master sees it: one supervising coroutine that boots it or takes it over, serves it until it is lost
-/// or rebooted, and begins again. One dead drive never delays another.
+/// A drive as the master sees it: one coroutine that finds it, inspects or configures it, starts and serves it, and
+/// begins again when that life is over (live(), one page). The frame handlers only record what they hear and end the
+/// life. One dead drive never delays another.
+///
+/// Parts: remote_node.cpp the life, remote_node_heard.cpp what is heard, remote_node_asked.cpp what is asked for.
 class RemoteNode {
  public:
   /// `bus` and `events` outlive the node.
   RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSettings settings, NodeEvents& events);
-  ~RemoteNode();
+  ~RemoteNode() = default;
   RemoteNode(const RemoteNode&) = delete;
   RemoteNode& operator=(const RemoteNode&) = delete;
 
   void start();
+  /// The end is near: a node that is not in service is neither configured nor started any more. Before stop().
+  void close();
   /// Ends the supervision and fails what is pending with `offline`. Sends nothing.
   boost::asio::awaitable<void> stop();
 
-  [[nodiscard]] const NodeSettings& settings() const noexcept;
-  [[nodiscard]] const NodeStatus& status() const noexcept;
+  [[nodiscard]] const NodeSettings& settings() const noexcept { return settings_; }
+  [[nodiscard]] const NodeStatus& status() const noexcept { return status_; }
   /// What its bus received before this moment has been told. Behind the clock after a stall of the process, until what
   /// waited was read: nothing is overdue that may still come.
   [[nodiscard]] TimePoint heard_until() const;
   /// The drive confirmed (or was given) the transmission type and timers of this TPDO, so `period` can be relied on.
   [[nodiscard]] bool tpdo_verified(std::uint16_t number) const noexcept;
-
-  /// The end is near: a node that is not in service is neither configured nor started any more. Before stop().
-  void close();
 
   /// SDO upload with retries. Refused as offline while the node does not answer SDOs at all, or is stopped.
   /// `due`: when it was to be done; of all that waits for its turn on a busy bus the earliest is next.
@@ -50,32 +68,164 @@ class RemoteNode {
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
                                              StillStands still_stands = {});
   /// Departure of an NMT command. Only `start` ends the refusal to start a drive that left operational; where the drive
-  /// was not configured since, it is booted first, and the departure is that of the boot's NMT start. A boot that was
-  /// begun goes on after the deadline, so the outcome is unknown then.
+  /// was not configured since, it is booted first, and the departure is that of the boot's NMT start; where it was left
+  /// alone as it runs, it is looked at again first. `refused` with the reason where that ends in a letter. A boot that
+  /// was begun goes on after the deadline, so the outcome is unknown then.
   boost::asio::awaitable<Result<void>> command(NmtCommand command, TimePoint deadline);
+  /// Whether the motor runs, read by SDO now; nothing where that cannot be known.
+  boost::asio::awaitable<std::optional<bool>> motor_runs();
 
   /// The RPDO that maps `object` (used as commanded); 0: none.
-  [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept;
+  [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept { return outputs_.rpdo_of(object); }
   /// RPDO `number` can be sent: every field is in `fields`, known from earlier confirmed commands, or declared unused.
-  [[nodiscard]] bool rpdo_complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept;
+  [[nodiscard]] bool rpdo_complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept {
+    return outputs_.complete(number, fields);
+  }
   /// Sends the RPDO with `fields` over what is known; confirmed by its departure. A field whose outcome is unknown
   /// counts as not commanded afterwards. `incomplete` where a field is missing.
   boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
                                                  TimePoint deadline);
   /// A confirmed SDO write: its field counts as commanded with this value.
-  void note_commanded(const ObjectValue& value);
+  void note_commanded(const ObjectValue& value) { outputs_.note(value); }
   /// A command of `object` goes by SDO now: an RPDO that is repeated must not undo it meanwhile.
-  void hold_repetition(ObjectAddress object);
+  void hold_repetition(ObjectAddress object) { outputs_.hold(object); }
   /// Its field counts as not commanded (momentary value sent, or outcome unknown).
-  void forget_commanded(ObjectAddress object);
+  void forget_commanded(ObjectAddress object) { outputs_.forget(object); }
   /// Nothing counts as commanded (fault, standstill, a command timeout that ends RPDOs). Boot-up, loss and leaving
   /// operational do it by themselves. `keep_repeating`: an RPDO that the drive supervises (event timer > 0) goes on
   /// being repeated unchanged, for a drive that came to a stop and would trip otherwise.
-  void void_rpdos(bool keep_repeating = false);
+  void void_rpdos(bool keep_repeating = false) { outputs_.make_void(keep_repeating); }
 
  private:
-  class Supervisor;
-  std::unique_ptr<Supervisor> supervisor_;
+  enum class Stage : std::uint8_t {
+    searching,    ///< Its state is being learnt, or the bus is down.
+    silent,       ///< It was not there.
+    inspecting,   ///< It runs, and is being compared with the settings.
+    configuring,  ///< It is being made so.
+    starting,     ///< NMT start is on its way or has left; not seen operational yet.
+    serving,
+    waiting,  ///< For another try, or for somebody to put it right.
+    held      ///< Not to be started; only looked after.
+  };
+  struct Tpdo {
+    std::uint16_t number = 0;
+    PdoPlan plan;
+  };
+  class NmtSending;
+  class Operation;
+  /// An NMT start command that waits for the boot or the look that it asked for.
+  struct StartRequest {
+    bool begun = false;
+    std::optional<Result<void>> result;
+  };
+  /// NMT commands of a boot that have not left by then are given up; the boot is tried again.
+  static constexpr Duration kNmtTime = std::chrono::seconds(1);
+
+  // The life.
+  boost::asio::awaitable<void> run();
+  boost::asio::awaitable<void> live(Life& life);
+  boost::asio::awaitable<void> bus_up(Life& life);
+  boost::asio::awaitable<FoundState> find(Life& life);
+  boost::asio::awaitable<BootReport> take_over(LifeContext context);
+  boost::asio::awaitable<BootReport> boot(LifeContext context, FoundState found);
+  boost::asio::awaitable<BootReport> start_node(LifeContext context);
+  boost::asio::awaitable<void> serve(Life& life);
+  boost::asio::awaitable<void> stay_silent(Life& life);
+  boost::asio::awaitable<void> stay_away(Life& life, BootReport report);
+  boost::asio::awaitable<void> hold_back(Life& life, FoundState found);
+  static boost::asio::awaitable<void> pause(Life& life, TimePoint until);
+
+  // Its steps.
+  [[nodiscard]] LifeContext context(Life& life) { return {bus_, sdo_, settings_, heard_, half_done_, life}; }
+  [[nodiscard]] bool to_be_held(FoundState found) const;
+  [[nodiscard]] bool heartbeat_is_fresh() const;
+  void enter(Stage stage);
+  /// Ends the life: what was queued for it is withdrawn, what is pending fails as offline, RPDOs are void.
+  void end_life(LifeEnd end);
+  void accept(const BootReport& report);
+  void go_online(Arrival arrival);
+  boost::asio::awaitable<bool> make_pre_operational();
+  /// It went operational by itself after its boot-up, and its motor stands: it may be made pre-operational.
+  boost::asio::awaitable<bool> started_itself(const LifeContext& context);
+  boost::asio::awaitable<std::string> error_text(const LifeContext& context);
+  boost::asio::awaitable<void> restart_if_due(Life& life);
+  void note_left_by_itself(NodeStatus& status) const;
+  void note_out_of_service();
+  static void note_not_booted(NodeStatus& status);
+  /// Applies `change` to the status and tells it where a field but the heartbeat's time differs.
+  template <class Change>
+  void change_status(Change change);
+
+  // What is heard.
+  void subscribe();
+  void on_error_control(const Received& received);
+  void on_boot_up(TimePoint at);
+  void on_heartbeat(NmtState state, TimePoint at);
+  void on_guarding_answer(NmtState state, TimePoint at);
+  void take_state(NmtState state, StateMeaning meaning, bool had_left);
+  void take_state_in_service(StateMeaning meaning, bool had_left, bool left_operational);
+  void tell_state(NmtState state, StateMeaning meaning);
+  void on_tpdo(const Tpdo& tpdo, const Received& received);
+  void on_emcy(const Received& received);
+  void on_foreign_nmt(const Received& received);
+  void on_silence();
+  void on_bus_state(const BusState& state);
+
+  // What is asked for.
+  boost::asio::awaitable<Result<void>> start_by_boot(TimePoint deadline);
+  boost::asio::awaitable<Result<void>> send_nmt(NmtCommand command, TimePoint deadline);
+  /// Sends an NMT command. `of_this_life`: it is withdrawn when the life ends, for it could start a node that was not
+  /// configured since its boot-up.
+  boost::asio::awaitable<Result<void>> transmit_nmt(NmtCommand command, TimePoint deadline, bool of_this_life);
+  void withdraw_nmt(bool all);
+  /// No command that has not begun may reach a node that is not operational any more.
+  void withdraw_commands();
+  void on_nmt_left(NmtCommand command);
+  void settle_start_requests(const Result<void>& result);
+  [[nodiscard]] bool start_needs_boot() const;
+  [[nodiscard]] bool takes_commands() const;
+  [[nodiscard]] Error offline_error(ObjectAddress object, std::string detail) const;
+
+  boost::asio::any_io_executor executor_;
+  Bus& bus_;
+  NodeSettings settings_;
+  NodeEvents& events_;
+  NodeStatus status_;
+
+  Event changed_;  ///< Something was heard or asked for, or the life is over.
+  Event ended_;    ///< The coroutine or an operation ended.
+  SdoClient sdo_;
+  Outputs outputs_;
+  HeartbeatConsumer watch_;
+  std::vector<Tpdo> tpdos_;
+  std::vector<std::uint16_t> verified_tpdos_;
+
+  Life* life_ = nullptr;  ///< The present one.
+  Stage stage_ = Stage::searching;
+  Heard heard_;
+  NmtExpectation expectation_;
+  std::string half_done_;
+  bool self_start_due_ = false;  ///< It has rebooted, and was not made pre-operational since (self_starting).
+  Restart restart_;
+  std::string hold_reason_;  ///< Why it was not started again when it was tried.
+  bool running_ = false;
+  bool closing_ = false;
+  bool stopping_ = false;
+  std::size_t operations_ = 0;
+  std::vector<NmtSending*> nmt_sendings_;
+  std::vector<StartRequest*> start_requests_;
+
+  std::vector<Subscription> subscriptions_;
 };
+
+template <class Change>
+void RemoteNode::change_status(Change change) {
+  NodeStatus before = status_;
+  change(status_);
+  before.last_heartbeat = status_.last_heartbeat;
+  if (status_ != before) {
+    events_.on_status(status_);
+  }
+}
 
 }  // namespace canopen

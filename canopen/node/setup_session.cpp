@@ -37,27 +37,21 @@ std::string difference_text(const SetupItem& item, Raw found) {
          value_text(item.type, found);
 }
 
-SetupSession::SetupSession(SdoClient& sdo, SetupPurpose purpose)
-    : sdo_(sdo), purpose_(purpose), begun_(sdo.interruptions()) {}
-
-bool SetupSession::interrupted() const noexcept {
-  return sdo_.interruptions() != begun_;
-}
-
 boost::asio::awaitable<Result<Raw>> SetupSession::read(ObjectAddress object, DataType type) {
-  if (interrupted()) {
+  if (context_.life.over()) {
     co_return interruption();
   }
-  const Result<Raw> result = co_await sdo_.read(object, type);
+  const Result<Raw> result = co_await context_.sdo.read(object, type);
   answered_ = answered_ || result.has_value() || result.error().kind != ErrorKind::timeout;
   co_return result;
 }
 
 boost::asio::awaitable<Result<void>> SetupSession::write(ObjectAddress object, DataType type, Raw raw) {
-  if (interrupted()) {
+  if (context_.life.over()) {
     co_return interruption();
   }
-  co_return co_await sdo_.write(object, type, raw);
+  context_.half_done = std::to_string(++written_) + " objects were written, the last " + to_string(object);
+  co_return co_await context_.sdo.write(object, type, raw);
 }
 
 boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
@@ -72,6 +66,10 @@ boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
     if (outcome.confirmed) {
       co_return outcome;
     }
+    if (inspecting() && found.value() != 0 && found.value() < item.tolerated_below) {
+      outcome.remark = difference_text(item, found.value()) + ", which will do";
+      co_return outcome;
+    }
     if (inspecting() || item.policy == SetupPolicy::verify) {
       outcome.failure = difference(difference_text(item, found.value()));
       co_return outcome;
@@ -80,6 +78,7 @@ boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
   }
   if (is_absent(found.error())) {
     outcome.absent = true;
+    outcome.remark = to_string(item.object) + " " + item.name + " does not exist in the drive";
     co_return outcome;
   }
   if (found.error().kind == ErrorKind::refused && found.error().abort == kWriteOnly) {
@@ -114,15 +113,16 @@ boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool 
 }
 
 BootFailure SetupSession::failure(const Error& error, std::string_view name) const {
-  if (error.kind == ErrorKind::offline || interrupted()) {
-    return {'J', {}, true};
+  if (error.not_sent || error.kind == ErrorKind::offline || context_.life.over()) {
+    return {.interrupted = true};
   }
-  const char letter = error.kind == ErrorKind::timeout && !answered_ ? 'B' : 'J';
-  return {letter, std::string(name) + ": " + to_string(error), false};
+  const bool silent = error.kind == ErrorKind::timeout && !answered_;
+  return {silent ? BootResult::no_answer : BootResult::not_configured, std::string(name) + ": " + to_string(error),
+          false};
 }
 
 BootFailure SetupSession::difference(std::string text) const {
-  return {inspecting() ? 'L' : 'J', std::move(text), false};
+  return {inspecting() ? BootResult::left_alone : BootResult::not_configured, std::move(text), false};
 }
 
 }  // namespace canopen

@@ -10,41 +10,23 @@ namespace canopen {
 namespace {
 
 constexpr std::uint32_t kAnswerBase = 0x580;  // CiA 301 table 75, default SDO.
-constexpr std::uint32_t kAbortTimedOut = 0x05040000;
-constexpr ObjectAddress kDeviceType{0x1000, 0};  // Every node has it; where not, the abort is an answer, too.
+// CiA 301 table 22.
+constexpr std::uint32_t kTimedOut = 0x05040000;
+constexpr std::uint32_t kGeneralError = 0x08000000;
 
 }  // namespace
 
-/// The exchange that has the channel, where the frame handler finds it.
-class SdoClient::OnChannel {
- public:
-  OnChannel(SdoClient& client, SdoExchange& exchange) : client_(client) { client_.exchange_ = &exchange; }
-  ~OnChannel() { client_.exchange_ = nullptr; }
-  OnChannel(const OnChannel&) = delete;
-  OnChannel& operator=(const OnChannel&) = delete;
-
- private:
-  SdoClient& client_;
-};
-
 SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8_t node, SdoSettings settings)
-    : executor_(std::move(executor)),
-      bus_(bus),
-      node_(node),
-      settings_(settings),
-      line_(executor_, bus.sdo_budget()),
+    : channel_{std::move(executor), bus, node, settings},
+      line_(channel_.executor, bus.sdo_budget()),
+      unanswered_(settings.timeout),
       subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
 
 // Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
 
-boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::upload(ObjectAddress object, std::size_t expected) {
-  SdoTransfer transfer = SdoTransfer::upload(settings_, object, expected);
-  co_return co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
-}
-
 boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataType type, unsigned tries,
                                                     TimePoint due) {
-  SdoTransfer transfer = SdoTransfer::upload(settings_, object, byte_length(type));
+  SdoTransfer transfer = upload(object, byte_length(type));
   const Result<Bytes> bytes = co_await run(std::move(transfer), tries, due);
   if (bytes.has_error()) {
     co_return bytes.error();
@@ -52,168 +34,147 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
   if (const std::optional<Raw> raw = decode_raw(type, bytes.value())) {
     co_return *raw;
   }
-  co_return error(ErrorKind::protocol, object,
-                  "answer has " + std::to_string(bytes.value().size()) + " bytes, type " + std::string(name_of(type)) +
-                      " needs " + std::to_string(byte_length(type)));
+  Error too_short{.kind = ErrorKind::protocol,
+                  .detail = "answer has " + std::to_string(bytes.value().size()) + " bytes, type " +
+                            std::string(name_of(type)) + " needs " + std::to_string(byte_length(type))};
+  co_return addressed(std::move(too_short), object);
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {
   SdoTransfer transfer = download(object, type, raw);
-  const Result<Bytes> done = co_await run(std::move(transfer), 1 + settings_.retries, Clock::now());
+  const Result<Bytes> done = co_await run(std::move(transfer), 1 + channel_.settings.retries, Clock::now());
   co_return done.has_error() ? Result<void>(done.error()) : Result<void>();
+}
+
+boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries, TimePoint due) {
+  const ObjectAddress object = transfer.object();
+  SdoLine::Place place(line_, SdoLine::Kind::transfer, due);
+  static_cast<void>(co_await place.wait_until(TimePoint::max()));
+  bool certain = !unanswered_.contains(object);
+  while (!place.called_off()) {
+    const Unanswered::Proof proof = unanswered_.proof();
+    if (!certain && Clock::now() < proof.from) {
+      static_cast<void>(co_await place.step_aside(proof.from));
+      certain = !unanswered_.contains(object);
+      continue;
+    }
+    SdoExchange exchange(channel_, certain ? transfer : upload(proof.object), TransmitClass::sdo, TimePoint::max(),
+                         unanswered_.any());
+    co_await carry_out(exchange);
+    if (!certain && exchange.answered()) {
+      certain = true;
+      unanswered_.clear();
+    } else if (!exchange.gave_way() && (!exchange.timed_out() || --tries == 0)) {
+      co_return result(exchange, object);
+    }
+    channel_.bus.sdo_budget().charge();
+    // All tries together may take longer than a command has, and that command may be a stop.
+    if (co_await place.step_aside(Clock::now())) {
+      certain = !unanswered_.contains(object);
+    }
+  }
+  co_return addressed(*place.called_off(), object);
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
                                                               TimePoint deadline, StillStands still_stands) {
-  SdoTransfer transfer = download(object, type, raw);
-  co_return co_await run_command(std::move(transfer), deadline, std::move(still_stands));
-}
-
-boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer transfer, unsigned tries, TimePoint due) {
-  SdoLine::Place place(line_, SdoLine::Kind::transfer, due);
-  SdoLine::Verdict verdict = co_await place.wait_until(TimePoint::max());
-  if (verdict != SdoLine::Verdict::mine) {
-    co_return not_granted(verdict, transfer.object());
-  }
-  const Result<bool> settled = co_await settle_late(transfer.object(), TimePoint::max());
-  if (settled.has_error()) {
-    co_return settled.error();
-  }
-  for (; place.verdict() == SdoLine::Verdict::mine; --tries) {
-    SdoTransfer fresh = transfer;
-    Result<Bytes> result = co_await try_once(std::move(fresh), TimePoint::max());
-    if (tries <= 1 || result.has_value() || result.error().kind != ErrorKind::timeout) {
-      co_return result;
-    }
-    bus_.sdo_budget().charge();
-    // All tries together may take longer than a command has, and that command may be a stop.
-    if (place.give_way()) {
-      static_cast<void>(co_await place.wait_until(TimePoint::max()));
-    }
-  }
-  co_return not_granted(place.verdict(), transfer.object());
-}
-
-boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::try_once(SdoTransfer transfer, TimePoint deadline) {
-  const bool late_possible = late_.expected(transfer.object());
-  SdoExchange exchange(channel(), std::move(transfer), TransmitClass::sdo, deadline, late_possible);
-  co_await run(exchange);
-  if (exchange.error()) {
-    co_return *exchange.error();
-  }
-  co_return exchange.transfer().data();
-}
-
-boost::asio::awaitable<Result<void>> SdoClient::run_command(SdoTransfer transfer, TimePoint deadline,
-                                                            StillStands still_stands) {
-  const ObjectAddress object = transfer.object();
   SdoLine::Place place(line_, SdoLine::Kind::command, Clock::now());
-  if (exchange_ != nullptr && !exchange_->is_command()) {
-    exchange_->withdraw();  // A read that has not even left must not hold back what may be a stop.
+  if (exchange_ != nullptr && line_.held_by_transfer()) {
+    exchange_->withdraw();  // What has not left, or takes many frames, must not hold back what may be a stop.
   }
-  const SdoLine::Verdict verdict = co_await place.wait_until(deadline);
-  if (verdict != SdoLine::Verdict::mine) {
-    co_return not_granted(verdict, object);
+  if (!co_await place.wait_until(deadline)) {
+    co_return addressed(*place.called_off(), object);
   }
   // Half of its time at most: it may be a stop, and is sent to a silent drive, too.
   const TimePoint now = Clock::now();
-  const Result<bool> settled = co_await settle_late(object, now + (deadline - now) / 2);
-  if (place.verdict() != SdoLine::Verdict::mine) {
-    co_return not_granted(place.verdict(), object);
+  const bool certain = co_await prove(object, now + (deadline - now) / 2);
+  if (place.called_off()) {
+    co_return addressed(*place.called_off(), object);
   }
-  if (settled.has_error() && settled.error().kind != ErrorKind::timeout) {
-    co_return settled.error();
-  }
-  const bool conclusive = settled.has_value() && settled.value();
   if (still_stands && !still_stands()) {
-    co_return error(ErrorKind::incomplete, object, "not begun: what it was made from has changed");
+    Error changed{.kind = ErrorKind::incomplete, .detail = "not begun: what it was made from has changed"};
+    co_return addressed(std::move(changed), object);
   }
-  co_return co_await exchange_command(std::move(transfer), deadline, conclusive, place);
-}
-
-boost::asio::awaitable<Result<void>> SdoClient::exchange_command(SdoTransfer transfer, TimePoint deadline,
-                                                                 bool conclusive, const SdoLine::Place& place) {
-  const ObjectAddress object = transfer.object();
-  const bool late_possible = late_.expected(object);
   abort_.reset();  // Of a transfer before it: behind the command it could end that one.
-  SdoExchange exchange(channel(), std::move(transfer), TransmitClass::command, deadline, late_possible);
-  co_await run(exchange);
-  const std::optional<Error>& error_met = exchange.error();
-  if (exchange.not_begun()) {
-    co_return place.verdict() == SdoLine::Verdict::mine ? *error_met : not_granted(place.verdict(), object);
+  SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());
+  co_await carry_out(exchange);
+  if (exchange.error() && exchange.error()->not_sent && place.called_off()) {
+    co_return addressed(*place.called_off(), object);
   }
-  if (!conclusive && (!error_met || error_met->kind == ErrorKind::refused)) {
-    // That was perhaps the answer to the earlier one, so ours is still to come.
-    late_.note_unanswered(object, settings_.timeout);
-  }
-  if (error_met && (conclusive || error_met->kind != ErrorKind::refused)) {
-    Error failure = *error_met;
-    failure.outcome_unknown = failure.kind != ErrorKind::refused;
-    co_return failure;
-  }
-  if (!conclusive) {
-    Error unclear = error(ErrorKind::timeout, object, "the answer may be that to an earlier request");
-    unclear.outcome_unknown = true;
-    co_return unclear;
-  }
-  co_return Result<void>();
+  co_return outcome(exchange, certain);
 }
 
-boost::asio::awaitable<Result<bool>> SdoClient::settle_late(ObjectAddress object, TimePoint due) {
-  if (!late_.expected(object)) {
+Result<SdoClient::Bytes> SdoClient::result(const SdoExchange& exchange, ObjectAddress object) const {
+  if (!exchange.error()) {
+    return exchange.transfer().data();
+  }
+  Error failure = *exchange.error();
+  if (exchange.transfer().object() != object && exchange.unanswered()) {
+    failure.detail = "not begun: an earlier request went unanswered, and now the drive is silent";
+  }
+  failure.object = object;
+  return failure;
+}
+
+Result<void> SdoClient::outcome(const SdoExchange& command, bool certain) const {
+  const std::optional<Error>& failure = command.error();
+  const bool refused = failure && failure->kind == ErrorKind::refused;
+  if (!certain && (!failure || refused)) {
+    Error unclear{
+        .kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "the answer may be that to an earlier request"};
+    return addressed(std::move(unclear), command.transfer().object());
+  }
+  if (!failure) {
+    return {};
+  }
+  Error told = *failure;
+  told.outcome_unknown = !refused && !told.not_sent;
+  return told;
+}
+
+boost::asio::awaitable<bool> SdoClient::prove(ObjectAddress object, TimePoint until) {
+  if (!unanswered_.contains(object)) {
     co_return true;
   }
-  const ObjectAddress other = late_.readable().value_or(kDeviceType);
-  if (late_.expected(other)) {
+  const Unanswered::Proof proof = unanswered_.proof();
+  if (Clock::now() < proof.from) {
     co_return false;
   }
-  bus_.sdo_budget().charge();
-  SdoTransfer transfer = SdoTransfer::upload(settings_, other, 0);
-  const Result<Bytes> answer = co_await try_once(std::move(transfer), due);
-  if (answer.has_value() || answer.error().kind == ErrorKind::refused || answer.error().kind == ErrorKind::protocol) {
-    co_return true;
+  channel_.bus.sdo_budget().charge();
+  SdoExchange exchange(channel_, upload(proof.object), TransmitClass::sdo, until, true);
+  co_await carry_out(exchange);
+  if (exchange.answered()) {
+    unanswered_.clear();
   }
-  Error failure = answer.error();
-  failure.object = object;
-  if (failure.kind == ErrorKind::timeout) {
-    failure.detail = "not begun: an earlier request for it went unanswered, and now the drive is silent";
-  }
-  co_return failure;
+  co_return exchange.answered();
 }
 
-boost::asio::awaitable<void> SdoClient::run(SdoExchange& exchange) {
-  const OnChannel on_channel(*this, exchange);
+boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
+  exchange_ = &exchange;
   co_await exchange.run();
-  if (exchange.silent()) {
-    const ObjectAddress object = exchange.transfer().object();
+  exchange_ = nullptr;
+  const ObjectAddress object = exchange.transfer().object();
+  if (exchange.unanswered()) {
     answered_ = false;
-    late_.note_unanswered(object, settings_.timeout);
-    if (exchange.transfer().in_segments()) {
-      send_abort(abort_request(object, kAbortTimedOut));
-    }
+    unanswered_.note(object);
+  } else if (exchange.answered() && !unanswered_.contains(object)) {
+    unanswered_.clear();
+  }
+  if (exchange.transfer().in_segments() && exchange.timed_out()) {
+    send_abort(abort_request(object, exchange.gave_way() ? kGeneralError : kTimedOut));
   }
 }
 
 void SdoClient::on_frame(const Received& received) {
-  if (exchange_ == nullptr || exchange_->over()) {
-    return;
-  }
-  switch (exchange_->on_answer(received.frame.bytes())) {
-    case SdoTransfer::Step::ignored:
-      return;
-    case SdoTransfer::Step::more:
-      answered_ = true;
-      return;
-    case SdoTransfer::Step::completed:
-    case SdoTransfer::Step::failed:
-      answered_ = true;
-      on_end(exchange_->transfer());
-      return;
+  const SdoTransfer::Step step =
+      exchange_ == nullptr ? SdoTransfer::Step::ignored : exchange_->on_answer(received.frame.bytes());
+  answered_ = answered_ || step != SdoTransfer::Step::ignored;
+  if (step == SdoTransfer::Step::completed || step == SdoTransfer::Step::failed) {
+    on_end(exchange_->transfer());
   }
 }
 
 void SdoClient::on_end(const SdoTransfer& transfer) {
-  late_.note_answered(transfer.object(), transfer.completed_upload());
   if (transfer.abort()) {
     send_abort(*transfer.abort());
   }
@@ -226,52 +187,38 @@ void SdoClient::on_end(const SdoTransfer& transfer) {
 }
 
 void SdoClient::withdraw_commands() {
-  line_.withdraw_commands();
+  line_.call_off_commands(
+      {.kind = ErrorKind::offline, .detail = "withdrawn: the drive left operational, or is about to"});
   if (exchange_ != nullptr && exchange_->is_command()) {
     exchange_->withdraw();
   }
 }
 
 void SdoClient::interrupt() {
-  line_.interrupt();
+  const Error why{.kind = ErrorKind::offline, .detail = "the drive was lost, rebooted or removed"};
+  line_.call_off(why);
   answered_ = false;
   abort_.reset();
-  if (exchange_ != nullptr && !exchange_->over()) {
-    exchange_->interrupt(interruption(exchange_->transfer().object()));
+  if (exchange_ != nullptr) {
+    exchange_->interrupt(why);
   }
 }
 
 SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) const {
   std::array<std::uint8_t, 8> data{};
   const unsigned length = encode_raw(type, raw, data);
-  return SdoTransfer::download(settings_, object, std::span<const std::uint8_t>(data).first(length));
+  return SdoTransfer::download(channel_.settings, object, std::span<const std::uint8_t>(data).first(length));
 }
 
 void SdoClient::send_abort(const SdoFrame& abort) {
-  abort_ = bus_.send(TransmitClass::sdo, sdo_request_frame(node_, abort), Clock::now() + TransmitQueue::kLifeTime);
+  const Frame frame = sdo_request_frame(channel_.node, abort);
+  abort_ = channel_.bus.send(TransmitClass::sdo, frame, Clock::now() + TransmitQueue::kLifeTime);
 }
 
-SdoExchange::Channel SdoClient::channel() const noexcept {
-  return {executor_, bus_, node_, settings_};
-}
-
-Error SdoClient::error(ErrorKind kind, ObjectAddress object, std::string detail) const {
-  return {.kind = kind, .node = node_, .object = object, .detail = std::move(detail)};
-}
-
-Error SdoClient::interruption(ObjectAddress object) const {
-  return error(ErrorKind::offline, object, "the drive was lost, rebooted or removed");
-}
-
-Error SdoClient::not_granted(SdoLine::Verdict verdict, ObjectAddress object) const {
-  switch (verdict) {
-    case SdoLine::Verdict::late:
-      return error(ErrorKind::timeout, object, "not begun: other SDO transfers held the channel");
-    case SdoLine::Verdict::withdrawn:
-      return error(ErrorKind::offline, object, "withdrawn: the drive left operational, or is about to");
-    default:
-      return interruption(object);
-  }
+Error SdoClient::addressed(Error error, ObjectAddress object) const {
+  error.node = channel_.node;
+  error.object = object;
+  return error;
 }
 
 }  // namespace canopen

@@ -15,31 +15,33 @@
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
-#include "canopen/node/node_settings.h"
-#include "canopen/node/still_stands.h"
 #include "canopen/object.h"
 #include "canopen/sdo/exchange.h"
-#include "canopen/sdo/late_answers.h"
 #include "canopen/sdo/line.h"
+#include "canopen/sdo/sdo_settings.h"
 #include "canopen/sdo/transfer.h"
+#include "canopen/sdo/unanswered.h"
+#include "canopen/still_stands.h"
 
 namespace canopen {
 
 class Bus;
 
 /// The SDO client of one node (default channel, 0x600 and 0x580 + node id). One transfer at a time; who comes later
-/// waits in order, commands before the others. A read that is to be tried again lets them go first. Errors name node,
-/// object and abort code.
+/// waits in order, commands before the others. A read that is to be tried again lets them go first, and a segmented one
+/// is aborted for them and begun anew. Errors name node, object and abort code.
 ///
-/// Late answers: an answer is taken only for the object that was asked for. Where an earlier request for the same
-/// object went unanswered, its answer could pass for that of a new request; then another object is read first, whose
-/// answer proves that the older requests are over (a server answers in order). Where that proof does not come, a
-/// command is sent all the same, for it may be a stop, and its outcome is unknown whatever the drive answers.
+/// Late answers (Unanswered): an answer is taken only for the object that was asked for. Where an earlier request for
+/// the same object was interrupted or went unanswered, its answer could pass for that of a new request; then another
+/// object is read first, whose answer proves that the older requests are over. Where that proof does not come, a read
+/// or setting uses up a try; a command is sent all the same, for it may be a stop, and its outcome is unknown whatever
+/// the drive answers.
 ///
 /// Everything but commands waits for the budget of the bus (SdoBudget).
 ///
 /// The time of an answer counts from the departure of the request, so that a busy bus is no silent node. A request
-/// belongs to its transfer: where that ends first it is withdrawn, and no try leaves after the next one.
+/// belongs to its transfer: where that ends first it is withdrawn, and no try leaves after the next one. A `timeout`
+/// with Error::not_sent says nothing about the node.
 class SdoClient {
  public:
   using AbortHandler = std::function<void(std::uint32_t code)>;
@@ -56,12 +58,10 @@ class SdoClient {
   /// Called where a person should know of something that no error tells.
   void on_remark(RemarkHandler handler) { remark_handler_ = std::move(handler); }
 
-  /// Upload, tried again after a timeout. `expected`: bytes of the object's type, 0 where not known.
-  boost::asio::awaitable<Result<std::vector<std::uint8_t>>> upload(ObjectAddress object, std::size_t expected = 0);
-  /// Upload of a basic type. More bytes than it has: the lower ones count; fewer: `protocol`.
-  /// `due`: when it was to be done; of all reads that wait for the budget of the bus the earliest is next.
+  /// Upload of a basic type, tried again after a timeout. More bytes than it has: the lower ones count; fewer:
+  /// `protocol`. `due`: when it was to be done; of all reads that wait for the budget of the bus the earliest is next.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now()) {
-    return read(object, type, 1 + settings_.retries, due);
+    return read(object, type, 1 + channel_.settings.retries, due);
   }
   /// The same, tried once: for finding out whether anybody is there.
   boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) {
@@ -80,8 +80,6 @@ class SdoClient {
   void interrupt();
   /// Fails the commands that have not left with `offline`. One that has left is awaited, and reads go on.
   void withdraw_commands();
-  /// Grows with each interrupt(): a procedure of several transfers compares it to learn that it was interrupted.
-  [[nodiscard]] std::uint64_t interruptions() const noexcept { return line_.interruptions(); }
 
   /// The newest transfer since the last interruption got an answer, were it an abort.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
@@ -91,40 +89,33 @@ class SdoClient {
   boost::asio::awaitable<void> until_idle() { return line_.until_empty(); }
 
  private:
-  class OnChannel;
   using Bytes = std::vector<std::uint8_t>;
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
   boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries, TimePoint due);
-  boost::asio::awaitable<Result<void>> run_command(SdoTransfer transfer, TimePoint deadline, StillStands still_stands);
-  boost::asio::awaitable<Result<Bytes>> try_once(SdoTransfer transfer, TimePoint deadline);
-  boost::asio::awaitable<Result<void>> exchange_command(SdoTransfer transfer, TimePoint deadline, bool conclusive,
-                                                        const SdoLine::Place& place);
-  /// Whether no late answer for `object` can come any more. False where nothing is left to be read to find out;
-  /// `timeout` where the drive is silent until `due`.
-  boost::asio::awaitable<Result<bool>> settle_late(ObjectAddress object, TimePoint due);
-  boost::asio::awaitable<void> run(SdoExchange& exchange);
+  /// Whether no late answer for `object` can come any more.
+  boost::asio::awaitable<bool> prove(ObjectAddress object, TimePoint until);
+  boost::asio::awaitable<void> carry_out(SdoExchange& exchange);
 
   void on_frame(const Received& received);
   void on_end(const SdoTransfer& transfer);
-  [[nodiscard]] SdoExchange::Channel channel() const noexcept;
+  [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = 0) const {
+    return SdoTransfer::upload(channel_.settings, object, expected);
+  }
   [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
+  [[nodiscard]] Result<Bytes> result(const SdoExchange& exchange, ObjectAddress object) const;
+  [[nodiscard]] Result<void> outcome(const SdoExchange& command, bool certain) const;
   void send_abort(const SdoFrame& abort);
-  [[nodiscard]] Error error(ErrorKind kind, ObjectAddress object, std::string detail) const;
-  [[nodiscard]] Error interruption(ObjectAddress object) const;
-  [[nodiscard]] Error not_granted(SdoLine::Verdict verdict, ObjectAddress object) const;
+  [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
-  boost::asio::any_io_executor executor_;
-  Bus& bus_;
-  std::uint8_t node_;
-  SdoSettings settings_;
+  SdoExchange::Channel channel_;
   AbortHandler abort_handler_;
   RemarkHandler remark_handler_;
 
   SdoLine line_;
-  SdoExchange* exchange_ = nullptr;
-  Ticket abort_;  ///< The newest abort of ours.
-  LateAnswers late_;
+  SdoExchange* exchange_ = nullptr;  ///< Under way.
+  Ticket abort_;                     ///< The newest abort of ours.
+  Unanswered unanswered_;
   bool answered_ = false;
 
   Subscription subscription_;

@@ -33,41 +33,40 @@ boost::asio::awaitable<void> SdoExchange::run() {
   }
   request_.withdraw();  // The deadline may have come before its departure.
   if (!over_) {
-    silent_ = true;
     const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(channel_.settings.timeout);
-    fail(addressed({.kind = ErrorKind::timeout, .detail = "no answer in " + std::to_string(waited.count()) + " ms"}));
+    end(Error{.kind = ErrorKind::timeout, .detail = "no answer in " + std::to_string(waited.count()) + " ms"});
   }
 }
 
 SdoTransfer::Step SdoExchange::on_answer(std::span<const std::uint8_t> answer) {
-  if (request_.waiting()) {
-    return SdoTransfer::Step::ignored;  // It is that to another's request: ours has not left.
+  if (over_ || request_.waiting()) {
+    return SdoTransfer::Step::ignored;  // While ours has not left it is that to another's request.
   }
   const SdoTransfer::Step step = transfer_.on_answer(answer, late_possible_);
-  switch (step) {
-    case SdoTransfer::Step::ignored:
-      break;
-    case SdoTransfer::Step::more:
-      send();
-      break;
-    case SdoTransfer::Step::completed:
-      over_ = true;
-      ended_.notify();
-      break;
-    case SdoTransfer::Step::failed:
-      fail(addressed(transfer_.error()));
-      break;
+  waits_ = waits_ && step == SdoTransfer::Step::ignored;
+  if (step == SdoTransfer::Step::completed) {
+    end({});
+  } else if (step == SdoTransfer::Step::failed) {
+    end(transfer_.error());
+  } else if (step == SdoTransfer::Step::more && withdrawn_ && transfer_.is_upload()) {
+    end(Error{.kind = ErrorKind::timeout, .detail = "given up for a command"});
+  } else if (step == SdoTransfer::Step::more) {
+    send();
   }
   return step;
 }
 
 void SdoExchange::interrupt(Error why) {
-  fail(std::move(why));
-  request_.withdraw();
+  if (!over_) {
+    over_ = true;
+    request_.withdraw();
+    end(std::move(why));
+  }
 }
 
 void SdoExchange::withdraw() {
-  if (!transfer_.in_segments()) {
+  if (!transfer_.in_segments() || transfer_.is_upload()) {
+    withdrawn_ = true;
     request_.withdraw();
   }
 }
@@ -78,6 +77,7 @@ void SdoExchange::send() {
   }
   due_ = deadline_;
   departure_.reset();
+  waits_ = true;
   const TimePoint until = is_command() ? deadline_ : std::min(deadline_, Clock::now() + TransmitQueue::kLifeTime);
   const Frame frame = sdo_request_frame(channel_.node, transfer_.request());
   request_ = channel_.bus.send(transmit_class_, frame, until, [this](Departure how) { on_departure(how); });
@@ -89,7 +89,7 @@ void SdoExchange::on_departure(Departure how) {
     return;
   }
   if (never_left()) {
-    fail(addressed(result_of(how).error()));
+    end(result_of(how).error());
     return;
   }
   // Without its echo it may have left all the same: an answer would prove it.
@@ -97,16 +97,15 @@ void SdoExchange::on_departure(Departure how) {
   ended_.notify();
 }
 
-void SdoExchange::fail(Error why) {
+void SdoExchange::end(std::optional<Error> why) {
   over_ = true;
   error_ = std::move(why);
+  if (error_) {
+    error_->node = channel_.node;
+    error_->object = transfer_.object();
+    error_->not_sent = never_left() && !transfer_.in_segments();
+  }
   ended_.notify();
-}
-
-Error SdoExchange::addressed(Error error) const {
-  error.node = channel_.node;
-  error.object = transfer_.object();
-  return error;
 }
 
 }  // namespace canopen

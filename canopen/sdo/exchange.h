@@ -11,7 +11,6 @@
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
-#include "canopen/node/node_settings.h"
 #include "canopen/sdo/transfer.h"
 
 namespace canopen {
@@ -24,47 +23,50 @@ namespace canopen {
 class SdoExchange {
  public:
   struct Channel {
-    const boost::asio::any_io_executor& executor;
+    boost::asio::any_io_executor executor;
     Bus& bus;
     std::uint8_t node;
-    const SdoSettings& settings;
+    SdoSettings settings;
   };
 
-  /// `transmit_class`: sdo or command. What `channel` names outlives the exchange. `late_possible`: see SdoTransfer.
+  /// `transmit_class`: sdo or command. `channel` outlives the exchange. `late_possible`: see SdoTransfer.
   SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitClass transmit_class, TimePoint deadline,
               bool late_possible);
   ~SdoExchange() = default;
   SdoExchange(const SdoExchange&) = delete;
   SdoExchange& operator=(const SdoExchange&) = delete;
 
-  /// Sends the first request and returns when all is over: answered, silent, interrupted, or not begun.
+  /// Sends the first request and returns when all is over.
   boost::asio::awaitable<void> run();
   /// Takes a frame of the node; where it asks for more, the next request is sent.
   SdoTransfer::Step on_answer(std::span<const std::uint8_t> answer);
   /// Ends it, for a reason from outside.
   void interrupt(Error why);
-  /// Where the first request has not left it never will.
+  /// Where the first request has not left it never will. An upload in segments ends, with its next answer at the
+  /// latest.
   void withdraw();
 
   [[nodiscard]] const SdoTransfer& transfer() const noexcept { return transfer_; }
   [[nodiscard]] bool is_command() const noexcept { return transmit_class_ == TransmitClass::command; }
-  [[nodiscard]] bool over() const noexcept { return over_; }
+  /// Why it failed; Error::not_sent where the first request never left.
   [[nodiscard]] const std::optional<Error>& error() const noexcept { return error_; }
-  /// The first request never left.
-  [[nodiscard]] bool not_begun() const noexcept { return error_ && !transfer_.in_segments() && never_left(); }
-  /// A request has left, or may have, and no answer came in time.
-  [[nodiscard]] bool silent() const noexcept { return silent_; }
+  /// The answer came that ends it, or the last one before it was withdrawn.
+  [[nodiscard]] bool answered() const noexcept { return !waits_; }
+  /// A request has left, or may have, and its answer did not come.
+  [[nodiscard]] bool unanswered() const noexcept { return waits_ && !never_left(); }
+  [[nodiscard]] bool timed_out() const noexcept { return error_ && error_->kind == ErrorKind::timeout; }
+  /// It ended because it was withdrawn.
+  [[nodiscard]] bool gave_way() const noexcept { return withdrawn_ && timed_out() && !unanswered(); }
 
  private:
   void send();
   void on_departure(Departure how);
-  void fail(Error why);
+  void end(std::optional<Error> why);
   [[nodiscard]] bool never_left() const noexcept {
     return departure_ == Departure::withdrawn || departure_ == Departure::offline;
   }
-  [[nodiscard]] Error addressed(Error error) const;
 
-  Channel channel_;
+  const Channel& channel_;
   SdoTransfer transfer_;
   TransmitClass transmit_class_;
   TimePoint due_ = kNever;  ///< The next answer must be here by then; not known before the request has left.
@@ -73,8 +75,9 @@ class SdoExchange {
   Event ended_;
   Ticket request_;
   std::optional<Departure> departure_;  ///< Of the newest request.
+  bool waits_ = true;                   ///< The newest request has no answer yet.
+  bool withdrawn_ = false;
   bool over_ = false;
-  bool silent_ = false;
   std::optional<Error> error_;
 };
 

@@ -8,21 +8,24 @@ namespace canopen {
 SdoLine::SdoLine(boost::asio::any_io_executor executor, SdoBudget& budget)
     : budget_(budget), moved_(std::move(executor)) {}
 
-void SdoLine::interrupt() {
-  ++interruptions_;
+void SdoLine::call_off(const Error& why) {
   for (Place* place : places_) {
-    place->verdict_ = Verdict::interrupted;
+    place->called_off_ = why;
   }
   moved_.notify();
 }
 
-void SdoLine::withdraw_commands() {
+void SdoLine::call_off_commands(const Error& why) {
   for (Place* place : places_) {
-    if (place->kind_ == Kind::command && place->verdict_ == Verdict::mine) {
-      place->verdict_ = Verdict::withdrawn;
+    if (place->kind_ == Kind::command && !place->called_off_) {
+      place->called_off_ = why;
     }
   }
   moved_.notify();
+}
+
+bool SdoLine::held_by_transfer() const noexcept {
+  return holder_ != nullptr && holder_->kind_ == Kind::transfer;
 }
 
 boost::asio::awaitable<void> SdoLine::until_empty() {
@@ -62,27 +65,31 @@ SdoLine::Place::~Place() {
   line_.moved_.notify();
 }
 
-boost::asio::awaitable<SdoLine::Verdict> SdoLine::Place::wait_until(TimePoint deadline) {
-  while (!line_.is_next(this) && verdict_ == Verdict::mine && Clock::now() < deadline) {
+boost::asio::awaitable<bool> SdoLine::Place::wait_until(TimePoint deadline) {
+  while (!line_.is_next(this) && !called_off_ && Clock::now() < deadline) {
     co_await line_.moved_.wait_until(deadline);
   }
-  if (verdict_ != Verdict::mine) {
-    co_return verdict_;
+  if (!called_off_ && !line_.is_next(this)) {
+    called_off_ = Error{
+        .kind = ErrorKind::timeout, .not_sent = true, .detail = "not begun: other SDO transfers held the channel"};
   }
-  if (!line_.is_next(this)) {
-    co_return Verdict::late;
+  if (!called_off_) {
+    line_.holder_ = this;
   }
-  line_.holder_ = this;
-  co_return Verdict::mine;
+  co_return !called_off_;
 }
 
-bool SdoLine::Place::give_way() {
-  if (line_.places_.front()->kind_ != Kind::command) {
-    return false;
-  }
+boost::asio::awaitable<bool> SdoLine::Place::step_aside(TimePoint until) {
   line_.holder_ = nullptr;
-  line_.moved_.notify();
-  return true;
+  const bool alone = Clock::now() >= until && line_.is_next(this);
+  if (!alone) {
+    line_.moved_.notify();
+  }
+  while (!called_off_ && Clock::now() < until) {
+    co_await line_.moved_.wait_until(until);
+  }
+  static_cast<void>(co_await wait_until(TimePoint::max()));
+  co_return !alone;
 }
 
 }  // namespace canopen

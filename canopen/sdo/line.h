@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "canopen/clock.h"
+#include "canopen/error.h"
 #include "canopen/event.h"
 #include "canopen/sdo/budget.h"
 
@@ -18,12 +19,6 @@ namespace canopen {
 class SdoLine {
  public:
   enum class Kind : std::uint8_t { transfer, command };
-  enum class Verdict : std::uint8_t {
-    mine,         ///< The channel may be used.
-    late,         ///< The deadline passed first.
-    interrupted,  ///< Everything was called off.
-    withdrawn     ///< The commands were.
-  };
   class Place;
 
   /// `budget` outlives the line.
@@ -32,13 +27,12 @@ class SdoLine {
   SdoLine(const SdoLine&) = delete;
   SdoLine& operator=(const SdoLine&) = delete;
 
-  /// Calls off everybody who is in the line now.
-  void interrupt();
-  /// Calls off the commands that are in the line now.
-  void withdraw_commands();
-  [[nodiscard]] std::uint64_t interruptions() const noexcept { return interruptions_; }
+  /// Calls off everybody who is in the line now, or only the commands.
+  void call_off(const Error& why);
+  void call_off_commands(const Error& why);
 
   [[nodiscard]] bool empty() const noexcept { return places_.empty(); }
+  [[nodiscard]] bool held_by_transfer() const noexcept;
   boost::asio::awaitable<void> until_empty();
 
  private:
@@ -49,7 +43,6 @@ class SdoLine {
   std::deque<Place*> places_;
   Place* holder_ = nullptr;  ///< Has the channel.
   Event moved_;              ///< Somebody left, gave way, may go, or was called off.
-  std::uint64_t interruptions_ = 0;
 };
 
 /// A place in the line, as long as it lives.
@@ -61,11 +54,13 @@ class SdoLine::Place {
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
 
-  boost::asio::awaitable<Verdict> wait_until(TimePoint deadline);
-  /// Lets the commands that wait go first, before the others; true where there were any: then it is to wait again.
-  bool give_way();
-  /// `mine` where it was not called off.
-  [[nodiscard]] Verdict verdict() const noexcept { return verdict_; }
+  /// False where it was called off first, or `deadline` passed.
+  boost::asio::awaitable<bool> wait_until(TimePoint deadline);
+  /// Lets commands go first, those that come until then, too. To be awaited by the one who has the channel; false
+  /// where nobody else had it meanwhile.
+  boost::asio::awaitable<bool> step_aside(TimePoint until);
+  /// Why it does not have the channel, or is not to use it any more.
+  [[nodiscard]] const std::optional<Error>& called_off() const noexcept { return called_off_; }
 
  private:
   friend class SdoLine;
@@ -73,7 +68,7 @@ class SdoLine::Place {
 
   SdoLine& line_;
   Kind kind_;
-  Verdict verdict_ = Verdict::mine;
+  std::optional<Error> called_off_;
   std::optional<SdoBudget::Claim> claim_;  ///< Of a transfer.
 };
 

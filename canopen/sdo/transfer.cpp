@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "canopen/hex.h"
-#include "canopen/sdo/quirks.h"
-#include "canopen/sdo/segmented.h"
 
 namespace canopen {
 namespace {
@@ -27,23 +25,16 @@ std::string too_short(std::span<const std::uint8_t> answer, const SdoSettings& s
 
 }  // namespace
 
-SdoTransfer::SdoTransfer(const SdoSettings& settings, ObjectAddress object, Direction direction)
-    : settings_(settings), object_(object), direction_(direction) {}
-
 SdoTransfer SdoTransfer::upload(const SdoSettings& settings, ObjectAddress object, std::size_t expected) {
-  SdoTransfer transfer(settings, object, Direction::upload);
+  SdoTransfer transfer(settings, object, Direction::upload, upload_request(object));
   transfer.expected_ = expected;
-  transfer.request_ = upload_request(object);
   return transfer;
 }
 
 SdoTransfer SdoTransfer::download(const SdoSettings& settings, ObjectAddress object,
                                   std::span<const std::uint8_t> data) {
-  SdoTransfer transfer(settings, object, Direction::download);
+  SdoTransfer transfer(settings, object, Direction::download, download_request(object, data));
   transfer.data_.assign(data.begin(), data.end());
-  transfer.request_ = data.size() <= kMaxExpeditedBytes
-                          ? expedited_download_request(object, data)
-                          : segmented_download_request(object, static_cast<std::uint32_t>(data.size()));
   return transfer;
 }
 
@@ -78,14 +69,14 @@ SdoTransfer::Step SdoTransfer::on_initiate(std::span<const std::uint8_t> answer,
   if (kind == SdoAnswer::upload_segment || kind == SdoAnswer::download_segment || address_of(answer) != object_) {
     return Step::ignored;
   }
-  const bool fits = direction_ == Direction::upload ? kind == SdoAnswer::upload : confirms_write(settings_, answer);
+  const bool fits = is_upload() ? kind == SdoAnswer::upload : confirms_write(settings_, answer);
   if (fits) {
-    return direction_ == Direction::upload ? on_upload_accepted(answer) : on_download_accepted(answer);
+    return is_upload() ? on_upload_accepted(answer) : on_download_accepted(answer);
   }
   if (late_possible) {
     return Step::ignored;
   }
-  if (direction_ == Direction::download && kind == SdoAnswer::upload) {
+  if (!is_upload() && kind == SdoAnswer::upload) {
     return fail(answer_text(answer) +
                 " to a write looks like one to a read (sdo quirk accept_upload_style_write_answer is off)");
   }
@@ -108,7 +99,6 @@ SdoTransfer::Step SdoTransfer::on_upload_accepted(std::span<const std::uint8_t> 
   if (accepted.size && *accepted.size > kMaxBytes) {
     return fail(std::to_string(*accepted.size) + " bytes are more than are taken", kOutOfMemory);
   }
-  announced_ = accepted.size;
   phase_ = Phase::segments;
   request_ = upload_segment_request(toggle_);
   return Step::more;
@@ -142,7 +132,7 @@ SdoTransfer::Step SdoTransfer::on_segment(std::span<const std::uint8_t> answer) 
   if (kind == SdoAnswer::upload || kind == SdoAnswer::download) {
     return Step::ignored;  // The late answer to an earlier try of the first request.
   }
-  const SdoAnswer wanted = direction_ == Direction::upload ? SdoAnswer::upload_segment : SdoAnswer::download_segment;
+  const SdoAnswer wanted = is_upload() ? SdoAnswer::upload_segment : SdoAnswer::download_segment;
   if (kind != wanted) {
     return fail(answer_text(answer) + " does not fit a segment", kCommandUnknown);
   }
@@ -150,7 +140,7 @@ SdoTransfer::Step SdoTransfer::on_segment(std::span<const std::uint8_t> answer) 
     return fail("toggle bit not alternated", kToggleNotAlternated);
   }
   toggle_ = !toggle_;
-  if (direction_ == Direction::upload) {
+  if (is_upload()) {
     return on_upload_segment(answer);
   }
   if (!long_enough(settings_, answer, 1)) {
@@ -164,24 +154,17 @@ SdoTransfer::Step SdoTransfer::on_upload_segment(std::span<const std::uint8_t> a
   if (!segment || !long_enough(settings_, answer, 1 + segment->data.size())) {
     return fail(too_short(answer, settings_), kLengthMismatch);
   }
-  const std::size_t limit = announced_.value_or(kMaxBytes);
-  // A segment without data would let a device keep us here for ever.
-  if (data_.size() + segment->data.size() > limit || (segment->data.empty() && !segment->last)) {
-    return fail("segments do not add up to the announced size", kLengthMismatch);
+  // The announced size is a hint: some devices announce 0, or count a terminator that they do not send. A segment
+  // without data would let a device keep us here for ever.
+  if (data_.size() + segment->data.size() > kMaxBytes || (segment->data.empty() && !segment->last)) {
+    return fail("segments without data, or more than are taken", kLengthMismatch);
   }
   data_.insert(data_.end(), segment->data.begin(), segment->data.end());
   if (segment->last) {
-    return finish_upload();
+    return complete();
   }
   request_ = upload_segment_request(toggle_);
   return Step::more;
-}
-
-SdoTransfer::Step SdoTransfer::finish_upload() {
-  if (announced_ && *announced_ != data_.size()) {
-    return fail(std::to_string(data_.size()) + " bytes came where " + std::to_string(*announced_) + " were announced");
-  }
-  return complete();
 }
 
 SdoTransfer::Step SdoTransfer::next_download_segment() {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "canopen/error.h"
-#include "canopen/node/node_settings.h"
 #include "canopen/object.h"
-#include "canopen/sdo/expedited.h"
+#include "canopen/sdo/frames.h"
+#include "canopen/sdo/sdo_settings.h"
 
 namespace canopen {
 
@@ -34,18 +34,16 @@ class SdoTransfer {
 
   /// The request to be sent now.
   [[nodiscard]] const SdoFrame& request() const noexcept { return request_; }
-  /// `late_possible`: an earlier request for the same object went unanswered, so that an answer which does not fit may
-  /// be the late one to that, and is ignored.
+  /// `late_possible`: an earlier request went unanswered, so an answer that does not fit, or an abort that names no
+  /// object, may be the late one to that, and is ignored.
   Step on_answer(std::span<const std::uint8_t> answer, bool late_possible);
 
   [[nodiscard]] ObjectAddress object() const noexcept { return object_; }
+  [[nodiscard]] bool is_upload() const noexcept { return direction_ == Direction::upload; }
   /// The device accepted the transfer and waits for segments: given up, it must be aborted.
   [[nodiscard]] bool in_segments() const noexcept { return phase_ == Phase::segments; }
   [[nodiscard]] const Error& error() const noexcept { return error_; }
   [[nodiscard]] const std::optional<SdoFrame>& abort() const noexcept { return abort_; }
-  [[nodiscard]] bool completed_upload() const noexcept {
-    return direction_ == Direction::upload && phase_ == Phase::over && error_ == Error{};
-  }
   /// Data of a completed upload.
   [[nodiscard]] const std::vector<std::uint8_t>& data() const noexcept { return data_; }
   /// Something odd about a completed transfer that a person should know; empty if nothing was.
@@ -58,7 +56,8 @@ class SdoTransfer {
   enum class Direction : std::uint8_t { upload, download };
   enum class Phase : std::uint8_t { initiate, segments, over };
 
-  SdoTransfer(const SdoSettings& settings, ObjectAddress object, Direction direction);
+  SdoTransfer(const SdoSettings& settings, ObjectAddress object, Direction direction, SdoFrame request)
+      : settings_(settings), object_(object), direction_(direction), request_(request) {}
 
   Step on_abort(std::span<const std::uint8_t> answer, bool late_possible);
   Step on_initiate(std::span<const std::uint8_t> answer, bool late_possible);
@@ -67,7 +66,6 @@ class SdoTransfer {
   Step on_segment(std::span<const std::uint8_t> answer);
   Step on_upload_segment(std::span<const std::uint8_t> answer);
   Step next_download_segment();
-  Step finish_upload();
   Step complete();
   Step fail(std::string why, std::uint32_t abort_code = 0);
 
@@ -76,10 +74,9 @@ class SdoTransfer {
   Direction direction_;
   Phase phase_ = Phase::initiate;
   std::size_t expected_ = 0;
-  SdoFrame request_{};
+  SdoFrame request_;
   std::vector<std::uint8_t> data_;
-  std::optional<std::uint32_t> announced_;  ///< Size of a segmented upload.
-  std::size_t sent_ = 0;                    ///< Bytes of a segmented download.
+  std::size_t sent_ = 0;  ///< Bytes of a segmented download.
   bool toggle_ = false;
   Error error_;
   std::optional<SdoFrame> abort_;

@@ -54,15 +54,19 @@ void advise_on_writers(const DriveDraft& draft) {
   }
 }
 
+/// The first field of an RPDO with that use; null where there is none.
+const canopen::MappedObject* field_with(const canopen::PdoSettings& rpdo, canopen::FieldUse use) {
+  const auto found =
+      std::find_if(rpdo.mapping.begin(), rpdo.mapping.end(), [use](const auto& field) { return field.use == use; });
+  return found == rpdo.mapping.end() ? nullptr : &*found;
+}
+
 /// An RPDO that is really sent, and so armed and repeated: of those in use, each field of it known and one commanded.
 bool is_sent(const DriveDraft& draft, std::uint16_t number) {
   const auto& rpdos = draft.drive.node.rpdos;
   return std::any_of(rpdos.begin(), rpdos.end(), [number](const canopen::PdoSettings& rpdo) {
-    const auto has = [&rpdo](canopen::FieldUse use) {
-      return std::any_of(rpdo.mapping.begin(), rpdo.mapping.end(),
-                         [use](const auto& field) { return field.use == use; });
-    };
-    return rpdo.number == number && has(canopen::FieldUse::commanded) && !has(canopen::FieldUse::unnamed);
+    return rpdo.number == number && field_with(rpdo, canopen::FieldUse::commanded) != nullptr &&
+           field_with(rpdo, canopen::FieldUse::unnamed) == nullptr;
   });
 }
 
@@ -106,9 +110,7 @@ void advise_on_setpoints(const DriveDraft& draft) {
 
 void advise_on_rpdos(const DriveDraft& draft) {
   for (const canopen::PdoSettings& rpdo : draft.drive.node.rpdos) {
-    const auto unnamed = std::find_if(rpdo.mapping.begin(), rpdo.mapping.end(),
-                                      [](const auto& field) { return field.use == canopen::FieldUse::unnamed; });
-    if (unnamed != rpdo.mapping.end()) {
+    if (const auto* const unnamed = field_with(rpdo, canopen::FieldUse::unnamed); unnamed != nullptr) {
       draft.warning(draft.site.place, "rpdo" + std::to_string(rpdo.number) +
                                           " is never sent, because nothing says what its field " +
                                           canopen::to_string(unnamed->object) +
@@ -150,7 +152,7 @@ void advise_on_unconfirmed(const DriveDraft& draft) {
     }
   }
   for (const SignalDraft& signal : draft.signals) {
-    if (signal.said->keys.unconfirmed && !draft.told_unconfirmed.contains(signal.said->name)) {
+    if (signal.said->keys.signal.unconfirmed && !draft.told_unconfirmed.contains(signal.said->name)) {
       add(signal.said->name);
     }
   }
@@ -161,6 +163,47 @@ void advise_on_unconfirmed(const DriveDraft& draft) {
   }
 }
 
+/// The stop values are those of a preset that is unconfirmed, and the site says none itself.
+bool stops_are_unconfirmed(const DriveDraft& draft) {
+  const auto control = draft.drive.find("control_command");
+  if (!control.has_value() || !draft.told_unconfirmed.contains("control_command")) {
+    return false;
+  }
+  const auto& keys = draft.signals[*control].said->table->entries;
+  return std::none_of(keys.begin(), keys.end(), [](const Entry& entry) {
+    return (entry.key == "stop" || entry.key == "stop_masks") && entry.value.place.file == 0;
+  });
+}
+
+/// Before a drive is sent pre-operational or started again, its motor and its last command are looked at.
+void advise_on_motor(const DriveDraft& draft) {
+  const canopen::NodeSettings& node = draft.drive.node;
+  if (node.self_starting && !node.motor.running.has_value()) {
+    draft.warning(in_the_site(place_of(draft.merged, "self_starting"), draft.site.place),
+                  "self_starting has no effect without a signal \"running\": the drive is sent pre-operational only "
+                  "where that reads false; add the signal, or leave self_starting out");
+  }
+  if (!node.restart) {
+    return;
+  }
+  std::string unknown;
+  const auto need = [&unknown](bool known, std::string_view what) {
+    unknown += known ? "" : (unknown.empty() ? "" : ", ") + std::string(what);
+  };
+  need(node.motor.running.has_value(), "running");
+  need(node.motor.fault.has_value(), "fault");
+  const bool control = node.motor.control.has_value();
+  need(control, "control_command");
+  need(!control || !node.motor.stops.empty(), "stop values of control_command");
+  need(!stops_are_unconfirmed(draft), "confirmed stop values of control_command");
+  if (!unknown.empty()) {
+    draft.warning(place_of(draft.site, "restart"),
+                  "restart may let the drive resume its last command, because these are "
+                  "not known: " +
+                      unknown + ". Write it under [drive.signals], or leave restart out");
+  }
+}
+
 }  // namespace
 
 void advise(DriveDraft& draft) {
@@ -168,6 +211,7 @@ void advise(DriveDraft& draft) {
     draft.warning(place_of(draft.site, "on_stale"), "on_stale = \"zero\" shows a lost drive as one that stands still");
   }
   advise_on_unconfirmed(draft);
+  advise_on_motor(draft);
   const Writers& writers = draft.drive.commands.writers;
   if (!writers.modbus && !writers.mqtt) {
     return;

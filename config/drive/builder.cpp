@@ -111,6 +111,7 @@ void take_own_keys(DriveDraft& draft) {
   drive.node.gateway_node = draft.bus.node_id;
   drive.node.error_control = keys.error_control;
   drive.node.reconfigure_running = keys.reconfigure_running;
+  drive.node.restart = keys.restart;
   drive.on_stale = keys.on_stale.value_or(draft.model.modbus.has_value() ? draft.model.modbus->on_stale : OnStale());
   drive.unit = keys.unit.value_or(Unit{keys.node}).number;
   drive.commands = keys.commands;

@@ -87,7 +87,8 @@ void take_signals(DriveDraft& draft);
 void connect_pdos(DriveDraft& draft);
 /// Modbus addresses: fixed ones, ranges, overlaps.
 void place_signals(DriveDraft& draft);
-/// Moves the signals into the drive in the order of their addresses, words before what is derived from them.
+/// Moves the signals into the drive in the order of their addresses, words before what is derived from them; finds
+/// those that tell of faults and of the motor.
 void order_signals(DriveDraft& draft);
 /// What is allowed but should be thought about.
 void advise(DriveDraft& draft);

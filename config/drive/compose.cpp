@@ -29,13 +29,10 @@ Node overlay_of(const Node& table) {
 /// `nearest is "x"`, or all there are.
 std::string remedy_of(std::string_view name, const Node& table) {
   std::vector<std::string_view> names;
-  std::string all;
   for (const Entry& entry : table.entries) {
     names.emplace_back(entry.key);
-    all += (all.empty() ? "" : ", ") + entry.key;
   }
-  const auto near = nearest(name, names);
-  return !near.empty() ? "nearest is " + in_quotes(near) : all.empty() ? "there are none" : "there are " + all;
+  return nearest_or_all(name, names);
 }
 
 void lay_presets(DriveDraft& draft, const Profile& profile) {
@@ -63,23 +60,6 @@ void lay_presets(DriveDraft& draft, const Profile& profile) {
         }
       }
     }
-  }
-}
-
-Node text_node(std::string text, Place place) {
-  Node node;
-  node.kind = NodeKind::text;
-  node.text = std::move(text);
-  node.place = place;
-  return node;
-}
-
-void set_entry(Node& table, std::string_view key, Node value) {
-  if (Node* const known = table.find(key); known != nullptr) {
-    *known = std::move(value);
-  } else {
-    const Place place = value.place;
-    table.entries.push_back({.key = std::string(key), .key_place = place, .value = std::move(value)});
   }
 }
 
@@ -150,19 +130,26 @@ class Assigner {
   }
 
   void add_signal(const std::string& name, Node signal, canopen::ObjectAddress object, Place place, bool unconfirmed) {
-    set_entry(signal, "object", text_node(canopen::to_string(object), place));
+    const auto put = [place](Node& table, std::string_view key, Node value) {
+      std::erase_if(table.entries, [key](const Entry& entry) { return entry.key == key; });
+      value.place = place;
+      table.entries.push_back({.key = std::string(key), .key_place = place, .value = std::move(value)});
+    };
+    Node text;
+    text.kind = NodeKind::text;
+    text.text = canopen::to_string(object);
+    put(signal, "object", std::move(text));
     if (unconfirmed) {
       Node yes;
       yes.kind = NodeKind::boolean;
       yes.boolean = true;
-      yes.place = place;
-      set_entry(signal, "unconfirmed", std::move(yes));
+      put(signal, "unconfirmed", std::move(yes));
       draft_.told_unconfirmed.insert(name);
     }
     Node layer;
-    layer.entries.push_back({.key = name, .key_place = place, .value = std::move(signal)});
+    put(layer, name, std::move(signal));
     Node signals;
-    signals.entries.push_back({.key = "signals", .key_place = place, .value = std::move(layer)});
+    put(signals, "signals", std::move(layer));
     lay_over(draft_.merged, signals, overlay_section());
   }
 

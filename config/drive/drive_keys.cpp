@@ -11,23 +11,23 @@ using std::chrono::milliseconds;
 using std::chrono::minutes;
 using std::chrono::seconds;
 
-enum class Way : std::uint8_t { modbus, mqtt, local };
-
 std::optional<Writers> read_writers(const Node& node, const Complaint& complain) {
-  static const Form<Way> way_form = choice<Way>({{"modbus", Way::modbus}, {"mqtt", Way::mqtt}, {"local", Way::local}});
+  using Way = bool Writers::*;
+  static const Form<Way> way_form = choice<Way>({{"modbus", &Writers::modbus}, {"mqtt", &Writers::mqtt}});
   if (!expect_list(node, complain)) {
     return std::nullopt;
   }
   Writers writers;
   bool good = true;
   for (const Node& item : node.items) {
-    const auto way = way_form.read(item, complain);
-    if (way == Way::local) {
+    if (item.kind == NodeKind::text && item.text == "local") {
       complain.value(item.place, "\"local\" is not supported by this version");
+      good = false;
+    } else if (const auto way = way_form.read(item, complain); way.has_value()) {
+      writers.** way = true;
+    } else {
+      good = false;
     }
-    good = good && way.has_value() && way != Way::local;
-    writers.modbus |= way == Way::modbus;
-    writers.mqtt |= way == Way::mqtt;
   }
   return good ? std::optional(writers) : std::nullopt;
 }
@@ -94,8 +94,9 @@ const SectionOf<DriveKeys>& drive_section() {
        Field("supervise_gateway", time(&ErrorControlSettings::supervise_gateway),
              duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
              "The drive trips when the gateway's heartbeat is missing this long (0x1016); `0s`: it does not."),
-       Field::later("restart", "true or false", "false",
-                    "`true`: a drive that left operational by itself is configured and started again."),
+       Field("restart", &DriveKeys::restart, boolean(),
+             "`true`: a drive that left operational by itself is configured and started again after 5 s, then 10 s, up "
+             "to 60 s; not where its motor runs or its `control_command` is no `stop`, as read by SDO."),
        Field("on_stale", &DriveKeys::on_stale, on_stale_form(), "The same for this drive alone.")
            .unset("as in [modbus]"),
        Field("reconfigure_running", &DriveKeys::reconfigure_running, boolean(),

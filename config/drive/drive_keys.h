@@ -28,6 +28,7 @@ struct DriveKeys {
   canopen::ErrorControlSettings error_control;  ///< Its times.
   std::optional<OnStale> on_stale;
   bool reconfigure_running = false;
+  bool restart = false;
   std::vector<std::string> presets;
   Commands commands;
 };
@@ -36,37 +37,27 @@ struct DriveKeys {
 /// One `signals.NAME`.
 struct SignalKeys {
   bool enabled = true;
+  Signal signal;  ///< What is plainly said of it; name, object, type and all that follows from them are not.
   std::optional<canopen::ObjectAddress> object;
   std::optional<canopen::DataType> type;
   std::optional<std::string> from;
   std::optional<std::int64_t> mask;
   std::vector<std::int64_t> equals;
   bool negative = false;
-  double scale = 1.0;
-  std::string unit;
-  Access access = Access::read;
   std::optional<std::string> source;
-  std::optional<double> min;
-  std::optional<double> max;
-  std::map<std::int64_t, std::string> values;
   std::vector<std::int64_t> momentary;
-  std::int64_t momentary_mask = 0;
+  std::vector<std::int64_t> stop;
+  std::vector<canopen::StopWord> stop_masks;
   std::optional<std::int64_t> address;
   bool as_float = false;
-  canopen::Duration poll = std::chrono::seconds(1);
-  double deadband = 0.0;
-  std::optional<std::int64_t> publish_mask;
-  bool unconfirmed = false;
 };
 [[nodiscard]] const SectionOf<SignalKeys>& signal_section();
 
 /// One `tpdoN` or `rpdoN`.
 struct PdoKeys {
   bool enabled = true;
+  canopen::PdoSettings settings;  ///< Its policies and type.
   std::optional<CobId> cob_id;
-  canopen::SetupPolicy communication = canopen::SetupPolicy::write;
-  canopen::SetupPolicy mapping = canopen::SetupPolicy::write;
-  std::optional<std::uint8_t> transmission_type;
   std::optional<canopen::Duration> inhibit_time;
   std::optional<canopen::Duration> event_timer;
   std::vector<std::pair<canopen::ObjectAddress, canopen::DataType>> map;
@@ -99,6 +90,7 @@ struct OverlayKeys {
   std::vector<Said<PdoKeys>> tpdos;
   std::vector<Said<PdoKeys>> rpdos;
   canopen::Duration inhibit_unit = std::chrono::microseconds(100);
+  bool self_starting = false;
   ErrorControlKeys error_control;
   canopen::SdoSettings sdo;
   EmcyKeys emcy;

@@ -14,7 +14,7 @@ bool is_commanding(const OverlayKeys& said, canopen::ObjectAddress object) {
     return std::any_of(map.begin(), map.end(), [object](const auto& mapped) { return mapped.first == object; });
   };
   const auto writes = [object](const Said<SignalKeys>& signal) {
-    return signal.keys.object == object && signal.keys.access == Access::write;
+    return signal.keys.object == object && signal.keys.signal.access == Access::write;
   };
   return std::any_of(said.rpdos.begin(), said.rpdos.end(), maps) ||
          std::any_of(said.signals.begin(), said.signals.end(), writes);
@@ -57,6 +57,7 @@ void take_node_settings(DriveDraft& draft) {
   node.sdo = said.sdo;
   node.emcy = said.emcy.settings;
   node.identity = said.identity;
+  node.self_starting = said.self_starting;
   FaultRules& faults = draft.drive.faults;
   faults.has_error_register = said.emcy.error_register;
   faults.has_error_field = said.emcy.error_field;

@@ -97,6 +97,31 @@ std::optional<std::size_t> boolean_of(DriveDraft& draft, std::string_view name) 
   return at;
 }
 
+/// The same boolean as the master reads it by SDO.
+std::optional<canopen::MotorSign> sign_of(const Drive& drive, std::optional<std::size_t> boolean) {
+  if (!boolean.has_value()) {
+    return std::nullopt;
+  }
+  const Signal& signal = drive.signals[*boolean];
+  if (!signal.derived.has_value()) {
+    return canopen::MotorSign{.object = signal.object, .type = signal.type, .values = {1}};
+  }
+  const auto& [from, mask, values, negative] = *signal.derived;
+  const Signal& word = drive.signals[from];
+  return canopen::MotorSign{
+      .object = word.object, .type = word.type, .mask = mask, .values = values, .negative = negative};
+}
+
+void find_motor(Drive& drive) {
+  canopen::MotorSigns& motor = drive.node.motor;
+  motor.running = sign_of(drive, drive.faults.running);
+  motor.fault = sign_of(drive, drive.faults.fault);
+  if (const auto control = drive.find("control_command"); control.has_value()) {
+    motor.control = drive.signals[*control].object;
+    motor.control_type = drive.signals[*control].type;
+  }
+}
+
 }  // namespace
 
 void order_signals(DriveDraft& draft) {
@@ -120,6 +145,7 @@ void order_signals(DriveDraft& draft) {
   if (code.has_value() && readable(draft.drive.signals[*code].access)) {
     faults.fault_code = code;
   }
+  find_motor(draft.drive);
 }
 
 }  // namespace config

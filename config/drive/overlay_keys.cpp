@@ -39,16 +39,34 @@ Form<std::map<std::int64_t, FaultText>> fault_texts(std::int64_t max) {
                              });
 }
 
+/// One whose mask is missing or wrong has its finding, and would match everything.
+Form<canopen::StopWord> stop_mask() {
+  using canopen::StopWord;
+  using Field = KeyOf<StopWord>;
+  static const SectionOf<StopWord> section(
+      "stop_masks", {Field("mask", &StopWord::mask, any_integer(1), "Bits that count.").required(),
+                     Field("equals", &StopWord::equals, any_integer(0), "What they are in a stop.").required()});
+  return {.type = "{ mask, equals }",
+          .read = [](const Node& node, const Complaint& complain) -> std::optional<StopWord> {
+            check_table(node, section, complain);
+            const StopWord word = section.read(node);
+            return word.mask == StopWord{}.mask ? std::nullopt : std::optional(word);
+          },
+          .show = {}};
+}
+
 const SectionOf<PdoKeys>& pdo_section() {
+  using canopen::PdoSettings;
   using Field = KeyOf<PdoKeys>;
+  const auto setting = [](auto member) { return [member](auto& said) -> auto& { return said.settings.*member; }; };
   static const SectionOf<PdoKeys> section(
       "tpdoN, rpdoN",
       {Field("enabled", &PdoKeys::enabled, boolean(), "`false`: the gateway leaves it alone."),
        Field("cob_id", &PdoKeys::cob_id, cob_id(), "`0x185` or `\"$NODEID+0x180\"`.").unset("predefined for 1..4"),
-       Field("communication", &PdoKeys::communication, policy(),
+       Field("communication", setting(&PdoSettings::communication), policy(),
              "COB-ID, type and times: made so, only compared, or taken for granted."),
-       Field("mapping", &PdoKeys::mapping, policy(), "The same for the mapping."),
-       Field("transmission_type", &PdoKeys::transmission_type, integer(0, 255), "Sub-index 2.")
+       Field("mapping", setting(&PdoSettings::mapping_policy), policy(), "The same for the mapping."),
+       Field("transmission_type", setting(&PdoSettings::transmission_type), integer(0, 255), "Sub-index 2.")
            .unset("as the drive has it"),
        Field("inhibit_time", &PdoKeys::inhibit_time, duration({.min = seconds(0), .max = kLongest16}),
              "Sub-index 3, counted in `inhibit_unit`.")
@@ -149,6 +167,7 @@ const SectionOf<SetupKeys>& setup_section() {
 const SectionOf<SignalKeys>& signal_section() {
   using Field = KeyOf<SignalKeys>;
   using Self = SignalKeys;
+  const auto plain = [](auto member) { return [member](auto& said) -> auto& { return said.signal.*member; }; };
   static const SectionOf<Self> section(
       "signals.NAME",
       {Field("enabled", &Self::enabled, boolean(), "`false`: the drive has no such signal."),
@@ -162,36 +181,40 @@ const SectionOf<SignalKeys>& signal_section() {
              "True where the masked word is one of these.")
            .unset("the mask itself"),
        Field("negative", &Self::negative, boolean(), "True where the word as a number is below zero."),
-       Field("scale", &Self::scale, number(), "Engineering value = raw value x scale."),
-       Field("unit", &Self::unit, text(), "`\"Hz\"`."),
-       Field("access", &Self::access,
+       Field("scale", plain(&Signal::scale), number(), "Engineering value = raw value x scale."),
+       Field("unit", plain(&Signal::unit), text(), "`\"Hz\"`."),
+       Field("access", plain(&Signal::access),
              choice<Access>({{"read", Access::read}, {"write", Access::write}, {"read-write", Access::read_write}}),
              "A value that goes out in an RPDO is `write`."),
        Field("source", &Self::source, text(), "`\"tpdo1\"`, `\"rpdo1\"`, `\"sdo\"`.")
            .unset("the PDO that maps it, else `sdo`"),
-       Field("min", &Self::min, number(), "Least value that may be commanded.").unset("none"),
-       Field("max", &Self::max, number(), "Greatest value that may be commanded.").unset("none"),
-       Field("values", &Self::values, numbered_texts(std::numeric_limits<std::int64_t>::min(), kMaxInteger),
+       Field("min", plain(&Signal::min), number(), "Least value that may be commanded.").unset("none"),
+       Field("max", plain(&Signal::max), number(), "Greatest value that may be commanded.").unset("none"),
+       Field("values", plain(&Signal::values), numbered_texts(std::numeric_limits<std::int64_t>::min(), kMaxInteger),
              "Names of raw numbers: `{ 0 = \"stop\", 1 = \"run\" }`. Replaces the profile's as a whole.")
            .unset("none"),
        Field("momentary", &Self::momentary, list("list of integers", any_integer()),
              "Raw values that are forgotten once sent: fault reset, jog."),
-       Field("momentary_mask", &Self::momentary_mask, any_integer(0), "So is a value with one of these bits."),
-       Field::later("stop", "list of integers", "[]", "Of `control_command`: raw values that only ever stop."),
-       Field::later("stop_masks", "list of { mask, equals }", "[]",
-                    "Of `control_command`: masked words that only ever stop."),
+       Field("momentary_mask", plain(&Signal::momentary_mask), any_integer(0), "So is a value with one of these bits."),
+       Field("stop", &Self::stop, list("list of integers", any_integer()),
+             "Of `control_command`: raw values that only ever stop. In this version they tell which control commands "
+             "let `restart` go on."),
+       Field("stop_masks", &Self::stop_masks, list("list of { mask, equals }", stop_mask()),
+             "Likewise words that, masked, only ever stop."),
        Field::later("edge", "list of integers", "[]",
                     "Of `control_command`: raw values that act by their rising edge alone."),
        Field("address", &Self::address, integer(0, 65535), "Modbus address, of a bit for booleans.")
            .unset("by name, see below"),
        Field("as", &Self::as_float, choice<bool>({{"raw", false}, {"float", true}}),
              "`float`: two registers with the engineering value."),
-       Field("poll", &Self::poll, duration({.min = milliseconds(10), .max = minutes(60)}),
+       Field("poll", plain(&Signal::poll), duration({.min = milliseconds(10), .max = minutes(60)}),
              "How often it is read by SDO."),
-       Field("deadband", &Self::deadband, number(), "MQTT: smaller changes are not published. Engineering units."),
-       Field("publish_mask", &Self::publish_mask, any_integer(0), "MQTT: bits whose change alone causes a publish.")
+       Field("deadband", plain(&Signal::deadband), number(),
+             "MQTT: smaller changes are not published. Engineering units."),
+       Field("publish_mask", plain(&Signal::publish_mask), any_integer(0),
+             "MQTT: bits whose change alone causes a publish.")
            .unset("all bits"),
-       Field("unconfirmed", &Self::unconfirmed, boolean(), "Meaning or scale is not established.")});
+       Field("unconfirmed", plain(&Signal::unconfirmed), boolean(), "Meaning or scale is not established.")});
   return section;
 }
 
@@ -216,7 +239,9 @@ const SectionOf<OverlayKeys>& overlay_section() {
        Field("inhibit_unit", &Self::inhibit_unit,
              choice<canopen::Duration>({{"100us", std::chrono::microseconds(100)}, {"1ms", milliseconds(1)}}),
              "What the drive counts inhibit times in; CiA 301 has 100 us."),
-       Field::later("self_starting", "true or false", "false", "It goes operational by itself after power-up."),
+       Field("self_starting", &Self::self_starting, boolean(),
+             "It goes operational by itself after power-up: sent pre-operational once per boot-up where it has to be "
+             "configured, and where `running`, read by SDO first, is false."),
        Field::later("error_register", "true or false", "true", "0x1001 follows the faults of the drive."),
        table_key<Self>("error_control", &Self::error_control, error_control_section(), "Heartbeat."),
        table_key<Self>("sdo", &Self::sdo, sdo_section(), "SDO transfer."),

@@ -25,15 +25,16 @@ bool is_restricted(std::int64_t cob_id) {
 class PdoTaker {
  public:
   PdoTaker(DriveDraft& draft, const Said<PdoKeys>& said)
-      : draft_(draft), said_(said), keys_(said.keys), is_rpdo_(said.name.starts_with("rpdo")) {
+      : draft_(draft),
+        said_(said),
+        keys_(said.keys),
+        is_rpdo_(said.name.starts_with("rpdo")),
+        pdo_(said.keys.settings) {
     pdo_.number = static_cast<std::uint16_t>(parse_integer(std::string_view(said.name).substr(4)).value_or(1));
   }
 
   PdoDraft take() {
     take_cob_id();
-    pdo_.communication = keys_.communication;
-    pdo_.mapping_policy = keys_.mapping;
-    pdo_.transmission_type = keys_.transmission_type;
     pdo_.inhibit_time = counted("inhibit_time", keys_.inhibit_time, draft_.said.inhibit_unit);
     pdo_.event_timer = counted("event_timer", keys_.event_timer, milliseconds(1));
     take_map();
@@ -213,19 +214,23 @@ bool is_dummy(ObjectAddress object) noexcept {
 
 void take_pdos(DriveDraft& draft) {
   const auto by_number = [](const PdoDraft& a, const PdoDraft& b) { return a.settings.number < b.settings.number; };
-  for (const Said<PdoKeys>& said : draft.said.tpdos) {
-    if (said.keys.enabled) {
-      draft.tpdos.push_back(PdoTaker(draft, said).take());
+  const auto take = [&](const std::vector<Said<PdoKeys>>& all, std::vector<PdoDraft>& pdos) {
+    for (const Said<PdoKeys>& said : all) {
+      if (said.keys.enabled) {
+        pdos.push_back(PdoTaker(draft, said).take());
+        if (&pdos == &draft.rpdos) {
+          take_unused(draft, pdos.back());
+        }
+      } else if (said.table->find("map") == nullptr) {
+        // A misspelt one would go on.
+        draft.error(said.place, said.name + " is not in profile \"" + draft.drive.profile +
+                                    "\", so it needs no switching off; leave it out");
+      }
     }
-  }
-  for (const Said<PdoKeys>& said : draft.said.rpdos) {
-    if (said.keys.enabled) {
-      draft.rpdos.push_back(PdoTaker(draft, said).take());
-      take_unused(draft, draft.rpdos.back());
-    }
-  }
-  std::sort(draft.tpdos.begin(), draft.tpdos.end(), by_number);
-  std::sort(draft.rpdos.begin(), draft.rpdos.end(), by_number);
+    std::sort(pdos.begin(), pdos.end(), by_number);
+  };
+  take(draft.said.tpdos, draft.tpdos);
+  take(draft.said.rpdos, draft.rpdos);
   check_cob_ids(draft);
 }
 

@@ -20,11 +20,6 @@ namespace {
 // A chain of profiles longer than this goes in a circle, or should.
 constexpr int kLongestChain = 8;
 
-/// What a profile says of its own file only.
-void forget_own_keys(Node& table) {
-  std::erase_if(table.entries, [](const Entry& entry) { return entry.key == "extends" || entry.key == "partial"; });
-}
-
 }  // namespace
 
 ProfileLibrary::ProfileLibrary(std::vector<std::filesystem::path> directories) : directories_(std::move(directories)) {}
@@ -82,17 +77,9 @@ std::optional<ProfileLibrary::Source> ProfileLibrary::text_of(const std::string&
   }
   const auto all = names();
   const std::vector<std::string_view> views(all.begin(), all.end());
-  const auto near = nearest(name, views);
-  std::string remedy = "no profile was found at all, see --profile-dir";
-  if (!near.empty()) {
-    remedy = "nearest is " + in_quotes(near);
-  } else if (!all.empty()) {
-    remedy = "there are ";
-    for (const std::string& each : all) {
-      remedy += (&each == &all.front() ? "" : ", ") + each;
-    }
-  }
-  report.error(asked, prefix + " is not known; " + remedy);
+  report.error(asked,
+               prefix + " is not known; " +
+                   (all.empty() ? "no profile was found at all, see --profile-dir" : nearest_or_all(name, views)));
   return std::nullopt;
 }
 
@@ -118,7 +105,9 @@ std::optional<Profile> ProfileLibrary::read(const std::string& name, Place asked
   const ProfileKeys keys = profile_section().read(profile.table);
   profile.partial = keys.partial;
   const Place extends = place_of(profile.table, "extends");
-  forget_own_keys(profile.table);
+  // Both are said of this file only.
+  std::erase_if(profile.table.entries,
+                [](const Entry& entry) { return entry.key == "extends" || entry.key == "partial"; });
   if (keys.extends.has_value()) {
     const Profile* const parent = load(*keys.extends, extends, label, report, depth + 1);
     if (parent == nullptr) {

@@ -7,13 +7,10 @@ namespace {
 struct Slots {};
 
 const SectionOf<Slots>& slots_section() {
-  const auto slot = [](std::string_view name, std::string_view meaning) {
-    return KeyOf<Slots>::checked(
-        name, "table", Layering::table, &slot_section(),
-        [](const Node& node, const Complaint& complain) { check_table(node, slot_section(), complain); }, meaning);
-  };
-  static const SectionOf<Slots> section(
-      "slots", {slot("settings", "Behind `settings` of a drive."), slot("returns", "Behind `returns` of a drive.")});
+  using Field = KeyOf<Slots>;
+  static const SectionOf<Slots> section("slots",
+                                        {Field::table("settings", slot_section(), "Behind `settings` of a drive."),
+                                         Field::table("returns", slot_section(), "Behind `returns` of a drive.")});
   return section;
 }
 
@@ -53,10 +50,7 @@ const SectionOf<ProfileKeys>& profile_section() {
        Field("partial", &ProfileKeys::partial, boolean(), "`true`: only to be extended, no drive by itself."),
        named_key<ProfileKeys>("presets", preset_section(), is_name, "1 to 32 letters, digits, '_' or '-'",
                               "What a drive can switch on by name."),
-       Field::checked(
-           "slots", "table", Layering::table, &slots_section(),
-           [](const Node& node, const Complaint& complain) { check_table(node, slots_section(), complain); },
-           "Freely assigned objects.")},
+       Field::table("slots", slots_section(), "Freely assigned objects.")},
       &overlay_section());
   return section;
 }

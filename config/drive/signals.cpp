@@ -31,7 +31,8 @@ unsigned decimals_of(double scale) {
 
 class SignalTaker {
  public:
-  SignalTaker(DriveDraft& draft, const Said<SignalKeys>& said) : draft_(draft), said_(said), keys_(said.keys) {
+  SignalTaker(DriveDraft& draft, const Said<SignalKeys>& said)
+      : draft_(draft), said_(said), keys_(said.keys), signal_(said.keys.signal) {
     signal_.name = said.name;
   }
 
@@ -49,7 +50,6 @@ class SignalTaker {
     if (!(states("from") ? take_derived() : take_word())) {
       return std::nullopt;
     }
-    signal_.unconfirmed = keys_.unconfirmed;
     return SignalDraft{.said = &said_, .signal = std::move(signal_)};
   }
 
@@ -60,15 +60,19 @@ class SignalTaker {
                  "signal \"" + said_.name + "\" " + text);
   }
 
-  bool take_derived() {
-    constexpr std::array kWithout{"object",    "type",           "scale", "source", "min",  "max",      "values",
-                                  "momentary", "momentary_mask", "as",    "poll",   "unit", "deadband", "publish_mask"};
-    for (const auto* const key : kWithout) {
+  void refuse(std::initializer_list<std::string_view> keys, std::string_view why) {
+    for (const std::string_view key : keys) {
       if (states(key)) {
-        error(key, "has " + std::string(key) + ", which has no meaning beside from; leave it out");
+        error(key, "has " + std::string(key) + ", which " + std::string(why) + "; leave it out");
       }
     }
-    if (keys_.access != Access::read) {
+  }
+
+  bool take_derived() {
+    refuse({"object", "type", "scale", "source", "min", "max", "values", "momentary", "momentary_mask", "stop",
+            "stop_masks", "as", "poll", "unit", "deadband", "publish_mask"},
+           "has no meaning beside from");
+    if (signal_.access != Access::read) {
       error("access", "is read out of another one and cannot be written");
     }
     if (keys_.negative == states("mask")) {
@@ -105,20 +109,13 @@ class SignalTaker {
       }
       return false;
     }
-    for (const auto* const key : {"mask", "equals", "negative"}) {
-      if (states(key)) {
-        error(key, "has " + std::string(key) + ", which has no meaning without from; leave it out");
-      }
-    }
+    refuse({"mask", "equals", "negative"}, "has no meaning without from");
     signal_.object = *keys_.object;
     signal_.type = *keys_.type;
-    signal_.unit = keys_.unit;
-    signal_.access = keys_.access;
-    signal_.poll = keys_.poll;
-    signal_.publish_mask = static_cast<std::uint64_t>(keys_.publish_mask.value_or(-1));
     take_scale();
     take_values();
     take_momentary();
+    take_stops();
     take_limits();
     return true;
   }
@@ -138,13 +135,11 @@ class SignalTaker {
   }
 
   void take_scale() {
-    signal_.scale = keys_.scale;
     if (!(signal_.scale >= 1e-9 && signal_.scale <= 1e9)) {
       error("scale", "has the scale " + to_text(signal_.scale) + "; it must be positive, 0.000000001..1000000000");
       signal_.scale = 1.0;
     }
     signal_.decimals = decimals_of(signal_.scale);
-    signal_.deadband = keys_.deadband;
     if (signal_.deadband < 0.0) {
       error("deadband", "has a negative deadband");
     }
@@ -160,9 +155,8 @@ class SignalTaker {
   }
 
   void take_values() {
-    signal_.values = keys_.values;
     const Node* const stated = said_.table->find("values");
-    if (keys_.values.empty() || stated == nullptr) {
+    if (signal_.values.empty() || stated == nullptr) {
       return;
     }
     std::set<std::string> names;
@@ -182,18 +176,57 @@ class SignalTaker {
     for (const std::int64_t value : keys_.momentary) {
       if (!fits(value)) {
         error("momentary", "has the momentary value " + std::to_string(value) + misfit());
+      } else {
+        signal_.momentary.push_back(static_cast<canopen::Raw>(value));
       }
-      signal_.momentary.push_back(static_cast<canopen::Raw>(value));
     }
-    signal_.momentary_mask = static_cast<std::uint64_t>(keys_.momentary_mask);
     if (!writable(signal_.access) && (!signal_.momentary.empty() || signal_.momentary_mask != 0)) {
       error(states("momentary") ? "momentary" : "momentary_mask", "cannot be written, so nothing of it is momentary");
     }
   }
 
+  void take_stops() {
+    if (signal_.name != "control_command") {
+      refuse({"stop", "stop_masks"}, "is for control_command alone");
+      return;
+    }
+    const canopen::Raw width = ~canopen::Raw{0} >> (64U - canopen::bit_length(signal_.type));
+    for (const std::int64_t value : keys_.stop) {
+      if (!fits(value)) {
+        error("stop", "has the stop value " + std::to_string(value) + misfit());
+      } else {
+        add_stop("stop", {.mask = width, .equals = static_cast<canopen::Raw>(value) & width});
+      }
+    }
+    for (const canopen::StopWord& word : keys_.stop_masks) {
+      if ((word.mask & ~width) != 0) {
+        error("stop_masks", "has the stop mask " + to_hex(word.mask) + misfit());
+      } else if ((word.equals & ~word.mask) != 0) {
+        error("stop_masks", "can never equal " + to_hex(word.equals) + " under its stop mask " + to_hex(word.mask));
+      } else {
+        add_stop("stop_masks", word);
+      }
+    }
+  }
+
+  /// A fault reset or a jog is never a stop, whatever else is in the word.
+  void add_stop(std::string_view key, const canopen::StopWord& stop) {
+    const auto& momentary = signal_.momentary;
+    const bool matched = std::any_of(momentary.begin(), momentary.end(),
+                                     [&stop](canopen::Raw raw) { return (raw & stop.mask) == stop.equals; });
+    // What the mask leaves open may have these bits, too.
+    if (matched || (signal_.momentary_mask & (stop.equals | ~stop.mask)) != 0) {
+      draft_.error(place_of(said_, key, {"momentary", "momentary_mask"}),
+                   "signal \"" + said_.name + "\" has the stop " +
+                       (key == "stop" ? "value " + to_hex(stop.equals) +
+                                            ", which is momentary and so never a stop; leave one of them out"
+                                      : "mask " + to_hex(stop.mask) + " with equals " + to_hex(stop.equals) +
+                                            ", which lets in a momentary value; make the mask wider"));
+    }
+    draft_.drive.node.motor.stops.push_back(stop);
+  }
+
   void take_limits() {
-    signal_.min = keys_.min;
-    signal_.max = keys_.max;
     const auto* const key = signal_.max.has_value() ? "max" : "min";
     if (!signal_.min.has_value() && !signal_.max.has_value()) {
       return;

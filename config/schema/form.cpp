@@ -102,10 +102,6 @@ Form<std::int64_t> integer(std::int64_t min, std::int64_t max, std::string_view 
           .show = [](std::int64_t value) { return std::to_string(value); }};
 }
 
-Form<std::int64_t> integer(std::int64_t min, std::int64_t max) {
-  return integer(min, max, {}, {});
-}
-
 Form<std::int64_t> any_integer(std::int64_t min) {
   Form<std::int64_t> form = integer(min, std::numeric_limits<std::int64_t>::max());
   form.type = "integer";

@@ -41,10 +41,9 @@ bool expect(const Node& node, NodeKind kind, const Complaint& complain, std::str
 bool expect_list(const Node& node, const Complaint& complain);
 
 [[nodiscard]] Form<bool> boolean();
-[[nodiscard]] Form<std::int64_t> integer(std::int64_t min, std::int64_t max);
-/// One with a unit: `integer(1, 9, "bit/s", "250000")`.
-[[nodiscard]] Form<std::int64_t> integer(std::int64_t min, std::int64_t max, std::string_view unit,
-                                         std::string_view example);
+/// Where it has a unit: `integer(1, 9, "bit/s", "250000")`.
+[[nodiscard]] Form<std::int64_t> integer(std::int64_t min, std::int64_t max, std::string_view unit = {},
+                                         std::string_view example = {});
 /// Any integer; shown without a range.
 [[nodiscard]] Form<std::int64_t> any_integer(std::int64_t min = INT64_MIN);
 /// An integer or a number, finite.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "config/schema/complaint.h"
+
 namespace config {
 namespace {
 
@@ -63,6 +65,17 @@ std::string_view nearest(std::string_view name, std::span<const std::string_view
     }
   }
   return best;
+}
+
+std::string nearest_or_all(std::string_view name, std::span<const std::string_view> candidates) {
+  if (const auto near = nearest(name, candidates); !near.empty()) {
+    return "nearest is " + in_quotes(near);
+  }
+  std::string all;
+  for (const std::string_view candidate : candidates) {
+    all += (all.empty() ? "there are " : ", ") + std::string(candidate);
+  }
+  return all.empty() ? "there are none" : all;
 }
 
 }  // namespace config

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace config {
@@ -9,5 +10,8 @@ namespace config {
 /// equals. Empty where none is near: where more than half of the longer name would have to change, and neither begins
 /// with the other.
 [[nodiscard]] std::string_view nearest(std::string_view name, std::span<const std::string_view> candidates);
+
+/// `nearest is "x"`; where none is, `there are a, b`, or `there are none`.
+[[nodiscard]] std::string nearest_or_all(std::string_view name, std::span<const std::string_view> candidates);
 
 }  // namespace config

@@ -138,6 +138,17 @@ class KeyOf {
                   .below = below,
                   .check = std::move(check)});
   }
+  /// A table, or a list of them; likewise.
+  static KeyOf table(std::string_view name, const Section& below, std::string_view meaning) {
+    return checked(
+        name, "table", Layering::table, &below,
+        [&below](const Node& node, const Complaint& complain) { check_table(node, below, complain); }, meaning);
+  }
+  static KeyOf tables(std::string_view name, const Section& below, std::string_view meaning) {
+    return checked(
+        name, "tables", Layering::append, &below,
+        [&below](const Node& node, const Complaint& complain) { check_tables(node, below, complain); }, meaning);
+  }
   /// One that no code serves yet. `standard`: the default that it will have.
   static KeyOf later(std::string_view name, std::string_view type, std::string_view standard, std::string_view meaning,
                      const Section* below = nullptr) {
@@ -159,10 +170,11 @@ class KeyOf {
   }
   /// A list that must hold something.
   [[nodiscard]] KeyOf filled() && {
-    key_.check = [check = std::move(key_.check)](const Node& node, const Complaint& complain) {
+    key_.check = [check = std::move(key_.check), tables = key_.type == "tables"](const Node& node,
+                                                                                 const Complaint& complain) {
       check(node, complain);
       if (node.kind == NodeKind::list && node.items.empty()) {
-        complain.value(node.place, "is empty; write at least one");
+        complain.value(node.place, "is empty; write at least one" + (tables ? " [[" + complain.path() + "]]" : ""));
       }
     };
     return std::move(*this);
@@ -232,9 +244,7 @@ class SectionOf : public Section {
 template <class S, class Member, class T>
 [[nodiscard]] KeyOf<S> table_key(std::string_view name, Member member, const SectionOf<T>& section,
                                  std::string_view meaning) {
-  auto key = KeyOf<S>::checked(
-      name, "table", Layering::table, &section,
-      [&section](const Node& node, const Complaint& complain) { check_table(node, section, complain); }, meaning);
+  auto key = KeyOf<S>::table(name, section, meaning);
   key.fill = [member, &section](const Entry& entry, S& into) {
     auto& target = std::invoke(member, into);
     if (entry.value.kind != NodeKind::table) {
@@ -265,9 +275,7 @@ template <class S>
 template <class S, class Member, class T>
 [[nodiscard]] KeyOf<S> tables_key(std::string_view name, Member member, const SectionOf<T>& section,
                                   std::string_view meaning) {
-  auto key = KeyOf<S>::checked(
-      name, "tables", Layering::append, &section,
-      [&section](const Node& node, const Complaint& complain) { check_tables(node, section, complain); }, meaning);
+  auto key = KeyOf<S>::tables(name, section, meaning);
   key.fill = [member, &section](const Entry& entry, S& into) {
     for (const Node& item : entry.value.items) {
       if (item.kind == NodeKind::table) {

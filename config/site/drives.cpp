@@ -87,11 +87,6 @@ void check_units(const Model& model, const Tables& tables, Report& report) {
   }
 }
 
-/// `tpdo1`
-std::string name_of(const canopen::PdoSettings& pdo, bool is_rpdo) {
-  return (is_rpdo ? "rpdo" : "tpdo") + std::to_string(pdo.number);
-}
-
 /// Where a drive states the COB-ID of a PDO; null where it does not.
 const Node* stated_cob_id(const Node& drive, const std::string& pdo) {
   const Node* const table = read_table(drive, pdo);
@@ -107,9 +102,10 @@ void check_cob_ids(const Model& model, const Tables& tables, Report& report) {
   std::map<std::pair<std::size_t, std::uint32_t>, PdoOwner> owners;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
     const Drive& drive = model.drives[i];
-    for (const auto* const pdos : {&drive.node.tpdos, &drive.node.rpdos}) {
+    for (const auto& [kind, pdos] :
+         {std::pair(SourceKind::tpdo, &drive.node.tpdos), std::pair(SourceKind::rpdo, &drive.node.rpdos)}) {
       for (const canopen::PdoSettings& pdo : *pdos) {
-        const std::string name = name_of(pdo, pdos == &drive.node.rpdos);
+        const std::string name = to_text(Source{kind, pdo.number});
         const auto [owner, first] = owners.try_emplace({drive.bus, pdo.cob_id}, PdoOwner{i, name});
         const Drive& other = model.drives[owner->second.drive];
         // Drives of one node id share all of theirs, and have their finding already.

@@ -138,23 +138,10 @@ const SectionOf<Mqtt>& mqtt_section() {
 const Section& site_section() {
   using Field = KeyOf<Nothing>;
   const auto table = [](std::string_view name, const Section& section, std::string_view meaning) {
-    return Field::checked(
-               name, "table", Layering::replace, &section,
-               [&section](const Node& node, const Complaint& complain) { check_table(node, section, complain); },
-               meaning)
-        .unset(name == "gateway" ? "" : "off");
+    return Field::table(name, section, meaning).unset(name == "gateway" ? "" : "off");
   };
   const auto tables = [](std::string_view name, const Section& section, std::string_view meaning) {
-    return Field::checked(
-               name, "tables", Layering::replace, &section,
-               [&section](const Node& node, const Complaint& complain) {
-                 check_tables(node, section, complain);
-                 if (node.kind == NodeKind::list && node.items.empty()) {
-                   complain.value(node.place, "is empty; write at least one [[" + complain.path() + "]]");
-                 }
-               },
-               meaning)
-        .required();
+    return Field::tables(name, section, meaning).filled().required();
   };
   static const SectionOf<Nothing> section(
       "The file",

@@ -16,75 +16,21 @@ namespace {
 constexpr int kMaxDepth = 32;
 
 // toml++ 3.3 limits the depth of lists and inline tables but not of dotted keys: `a.a.a. …` some ten thousand times
-// over runs its recursive destructors out of stack. So dotted keys are measured first.
-constexpr int kMaxKeyParts = 16;
+// over runs its recursive destructors out of stack. A key ends with its line.
+constexpr std::size_t kLongestLine = 4096;
 
-/// Finds a dotted key of too many parts. Knows just enough of TOML to step over strings and comments.
-class KeyMeter {
- public:
-  explicit KeyMeter(std::string_view text) : text_(text) {}
-
-  /// Where the first such key goes too far; nothing where none does.
-  std::optional<Place> find(std::uint16_t file) {
-    while (at_ < text_.size()) {
-      const char c = text_[at_];
-      if (c == '"' || c == '\'') {
-        skip_string(c);
-        continue;
-      }
-      if (c == '#') {
-        at_ = std::min(text_.find('\n', at_), text_.size());
-        continue;
-      }
-      if (c == '.' && ++dots_ >= kMaxKeyParts) {
-        return Place{file, line_, static_cast<std::uint32_t>(at_ - line_start_ + 1)};
-      }
-      if (c == '=' || c == ',' || c == '[' || c == ']' || c == '{' || c == '}' || c == '\n') {
-        dots_ = 0;
-      }
-      step();
+/// Where the first line goes too far; nothing where none does.
+std::optional<Place> too_long(std::string_view text, std::uint16_t file) {
+  std::size_t start = 0;
+  for (std::uint32_t line = 1; start < text.size(); ++line) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    if (end - start > kLongestLine) {
+      return Place{file, line, kLongestLine + 1};
     }
-    return std::nullopt;
+    start = end + 1;
   }
-
- private:
-  void step() {
-    if (text_[at_] == '\n') {
-      ++line_;
-      line_start_ = at_ + 1;
-    }
-    ++at_;
-  }
-
-  /// From the opening quote past the closing one, or to the end of a line that has none.
-  void skip_string(char quote) {
-    const std::string three(std::size_t{3}, quote);
-    const bool multi_line = text_.substr(at_, 3) == three;
-    at_ += multi_line ? 3U : 1U;
-    while (at_ < text_.size()) {
-      if (text_[at_] == '\\' && quote == '"') {
-        step();
-        if (at_ < text_.size()) {
-          step();
-        }
-      } else if (multi_line && text_.substr(at_, 3) == three) {
-        at_ += 3;
-        return;
-      } else if (!multi_line && (text_[at_] == quote || text_[at_] == '\n')) {
-        at_ += text_[at_] == quote ? 1U : 0U;
-        return;
-      } else {
-        step();
-      }
-    }
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::size_t line_start_ = 0;
-  std::uint32_t line_ = 1;
-  int dots_ = 0;
-};
+  return std::nullopt;
+}
 
 Place place_of(const toml::source_region& region, std::uint16_t file) {
   return {file, static_cast<std::uint32_t>(region.begin.line), static_cast<std::uint32_t>(region.begin.column)};
@@ -182,23 +128,14 @@ Node convert(const toml::node& from, std::uint16_t file, int depth) {
 }  // namespace
 
 std::string_view name_of(NodeKind kind) noexcept {
-  switch (kind) {
-    case NodeKind::boolean:
-      return "true or false";
-    case NodeKind::integer:
-      return "an integer";
-    case NodeKind::number:
-      return "a number";
-    case NodeKind::text:
-      return "a string";
-    case NodeKind::list:
-      return "a list";
-    case NodeKind::table:
-      return "a table";
-    case NodeKind::other:
-      break;
-  }
-  return "a date, a time or a value nested too deeply";
+  constexpr std::array<std::string_view, 7> kNames{"true or false",
+                                                   "an integer",
+                                                   "a number",
+                                                   "a string",
+                                                   "a list",
+                                                   "a table",
+                                                   "a date, a time or a value nested too deeply"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 const Node* Node::find(std::string_view key) const noexcept {
@@ -217,8 +154,9 @@ Entry* Node::find_entry(std::string_view key) noexcept {
 }
 
 std::variant<Node, ParseFailure> parse_toml(std::string_view text, std::uint16_t file) {
-  if (const auto deep = KeyMeter(text).find(file); deep.has_value()) {
-    return ParseFailure{*deep, "a key of more than " + std::to_string(kMaxKeyParts) + " parts"};
+  if (const auto place = too_long(text, file); place.has_value()) {
+    return ParseFailure{*place, "a line of more than " + std::to_string(kLongestLine) +
+                                    " bytes; give what stands in { } a [heading] and lines of its own"};
   }
   // The packaged library is built with exceptions; they end here.
   try {

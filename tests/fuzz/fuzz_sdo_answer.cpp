@@ -45,7 +45,7 @@ void check(const SdoTransfer& transfer, SdoTransfer::Step step, bool download) {
       break;
     case SdoTransfer::Step::completed:
       require(transfer.error() == canopen::Error{});
-      require(transfer.completed_upload() != download);
+      require(transfer.is_upload() != download);
       break;
     case SdoTransfer::Step::failed:
       require(transfer.error().kind == canopen::ErrorKind::refused ||

@@ -22,7 +22,7 @@ TEST_F(BootTest, AsWantedNothingIsWritten) {
   EXPECT_TRUE(status().online);
   EXPECT_TRUE(status().configured);
   EXPECT_EQ(status().nmt, NmtState::operational);
-  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().boot_result, BootResult::ok);
   EXPECT_TRUE(slave_.writes().empty());
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
   EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::booted});
@@ -44,15 +44,15 @@ TEST_F(BootTest, IdentityGivesItsLetter) {
   install(settings);
   settings.identity.device_type = 0x00020192;
   boot(settings);
-  expect_letter('C', "0x1000:00 device type: expected 0x20192, found 0x10192");
+  expect_letter(BootResult::other_device_type, "0x1000:00 device type: expected 0x20192, found 0x10192");
 }
 
 TEST_F(BootTest, EveryIdentityEntryHasItsLetter) {
-  const std::vector<std::pair<char, std::optional<std::uint32_t> ExpectedIdentity::*>> cases{
-      {'D', &ExpectedIdentity::vendor},
-      {'M', &ExpectedIdentity::product},
-      {'N', &ExpectedIdentity::revision},
-      {'O', &ExpectedIdentity::serial}};
+  const std::vector<std::pair<BootResult, std::optional<std::uint32_t> ExpectedIdentity::*>> cases{
+      {BootResult::other_vendor, &ExpectedIdentity::vendor},
+      {BootResult::other_product, &ExpectedIdentity::product},
+      {BootResult::other_revision, &ExpectedIdentity::revision},
+      {BootResult::other_serial_number, &ExpectedIdentity::serial}};
   install(bench_settings());
   for (std::uint8_t sub = 1; sub <= 4; ++sub) {
     slave_.set({0x1018, sub}, DataType::u32, 7);
@@ -74,14 +74,14 @@ TEST_F(BootTest, IdentityThatCannotBeReadIsNotTheExpectedOne) {
   slave_.remove({0x1018, 1});
   settings.identity.vendor = 0x90;
   boot(settings);
-  expect_letter('D', "0x06020000");
+  expect_letter(BootResult::other_vendor, "0x06020000");
 }
 
 TEST_F(BootTest, NoAnswerIsLetterB) {
   install(bench_settings());
   slave_.mute_sdo(true);
   boot(bench_settings());
-  expect_letter('B', "0x1017:00");
+  expect_letter(BootResult::no_answer, "0x1017:00");
 }
 
 TEST_F(BootTest, HeartbeatTimeIsWrittenAndReadBack) {
@@ -98,7 +98,7 @@ TEST_F(BootTest, IgnoredWriteIsLetterJ) {
   slave_.set(kHeartbeatTime, DataType::u16, 1000);
   slave_.ignore_write(kHeartbeatTime);
   boot(bench_settings());
-  expect_letter('J', "0x1017:00 heartbeat time: expected 500, found 1000 after it was written");
+  expect_letter(BootResult::not_configured, "0x1017:00 heartbeat time: expected 500, found 1000 after it was written");
 }
 
 TEST_F(BootTest, RefusedWriteIsLetterJ) {
@@ -106,7 +106,7 @@ TEST_F(BootTest, RefusedWriteIsLetterJ) {
   slave_.set(kHeartbeatTime, DataType::u16, 0);
   slave_.refuse_write(kHeartbeatTime, 0x06010002);
   boot(bench_settings());
-  expect_letter('J', "0x06010002");
+  expect_letter(BootResult::not_configured, "0x06010002");
   EXPECT_EQ(status().last_abort, 0x06010002U);
 }
 
@@ -114,7 +114,7 @@ TEST_F(BootTest, NoHeartbeatIsLetterK) {
   install(bench_settings());
   slave_.heartbeat_off(true);
   boot(bench_settings());
-  expect_letter('K', "no heartbeat within 1500 ms");
+  expect_letter(BootResult::no_heartbeat, "no heartbeat within 1500 ms");
 }
 
 TEST_F(BootTest, GatewayIsSupervisedWhereTheDriveCan) {
@@ -166,7 +166,7 @@ TEST_F(BootTest, DriveThatIgnoresStartIsNotOnline) {
   slave_.boot_up();
   loop_.advance(2500ms);
   EXPECT_FALSE(status().online);
-  EXPECT_EQ(status().boot_result, 'J');
+  EXPECT_EQ(status().boot_result, BootResult::not_configured);
   EXPECT_NE(status().boot_text.find("stays pre-operational"), std::string::npos) << status().boot_text;
 }
 
@@ -175,13 +175,13 @@ TEST_F(BootTest, FailedBootIsTriedAgainAfterAPause) {
   slave_.set(kHeartbeatTime, DataType::u16, 1000);
   slave_.ignore_write(kHeartbeatTime);
   boot(bench_settings());
-  expect_letter('J', "0x1017:00");
+  expect_letter(BootResult::not_configured, "0x1017:00");
   slave_.set(kHeartbeatTime, DataType::u16, 500);
   loop_.advance(2s);
   EXPECT_FALSE(status().online);
   loop_.advance(3s);
   EXPECT_TRUE(status().online);
-  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().boot_result, BootResult::ok);
   EXPECT_TRUE(status().boot_text.empty());
 }
 

@@ -22,10 +22,10 @@ class HeldNodeTest : public NodeCommandBench {
     slave_.set_state(5);
     start(settings);
     loop_.advance(1s);
-    ASSERT_EQ(status().boot_result, 'L') << status().boot_text;
+    ASSERT_EQ(status().boot_result, BootResult::left_alone) << status().boot_text;
   }
   void expect_held() {
-    EXPECT_EQ(status().boot_result, 'J');
+    EXPECT_EQ(status().boot_result, BootResult::not_configured);
     EXPECT_NE(status().boot_text.find("left operational by itself"), std::string::npos) << status().boot_text;
     EXPECT_EQ(status().nmt, NmtState::pre_operational);
     EXPECT_TRUE(slave_.writes().empty());
@@ -92,7 +92,7 @@ TEST_F(HeldNodeTest, BootUpEndsIt) {
   ASSERT_TRUE(wait_online());
   EXPECT_EQ(slave_.value({0x1800, 5}), 100U);
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
-  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().boot_result, BootResult::ok);
 }
 
 TEST_F(HeldNodeTest, StartCommandEndsItWithAFullBoot) {
@@ -124,7 +124,7 @@ TEST_F(HeldNodeTest, PreOperationalByCommandIsNoSurpriseWhileItIsLeftAlone) {
   const auto sent = command(NmtCommand::pre_operational);
   loop_.advance(5s);
   ASSERT_TRUE(sent.done() && sent.get().has_value());
-  EXPECT_EQ(status().boot_result, kBootOk) << status().boot_text;
+  EXPECT_EQ(status().boot_result, BootResult::ok) << status().boot_text;
   EXPECT_EQ(status().nmt, NmtState::pre_operational);
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(128)});
 }
@@ -136,7 +136,7 @@ TEST_F(HeldNodeTest, AStopIsNotForgottenWhereATakeoverComesBeforeTheHeartbeatTha
   slave_.set_state(5);
   start(settings);
   loop_.advance(20ms);
-  ASSERT_EQ(status().boot_result, 'D');
+  ASSERT_EQ(status().boot_result, BootResult::other_vendor);
   loop_.advance(4970ms);
   const auto sent = command(NmtCommand::pre_operational);
   slave_.set({0x1018, 1}, DataType::u32, 0x91);
@@ -150,8 +150,8 @@ TEST_F(HeldNodeTest, PreOperationalByReconfigurationIsNoSurprise) {
   NodeSettings settings = bench_settings();
   settings.reconfigure_running = true;
   install(settings);
-  slave_.set(kHeartbeatTime, DataType::u16, 1000);
-  slave_.ignore_write(kHeartbeatTime);
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.ignore_write({0x1800, 5});
   slave_.set_state(5);
   start(settings);
   loop_.advance(20ms);
@@ -159,7 +159,7 @@ TEST_F(HeldNodeTest, PreOperationalByReconfigurationIsNoSurprise) {
   slave_.send(0x705, {5});  // From before the command.
   loop_.advance(1500ms);
   EXPECT_NE(status().boot_text.find("after it was written"), std::string::npos) << status().boot_text;
-  slave_.set(kHeartbeatTime, DataType::u16, 500);
+  slave_.set({0x1800, 5}, DataType::u16, 100);
   ASSERT_TRUE(wait_online(6s));
   EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(128), nmt(1)}));
 }
@@ -181,6 +181,8 @@ TEST_F(HeldNodeTest, StartWhoseBootTakesLongerIsOfUnknownOutcome) {
 TEST_F(HeldNodeTest, StartWhoseBootHasNotBegunIsWithdrawn) {
   NodeSettings settings = bench_settings();
   settings.error_control.heartbeat = Duration::zero();
+  settings.motor.running = kRunning;
+  slave_.set(kRunning.object, DataType::u16, 0);
   bring_online(settings);
   slave_.set_state(127);
   slave_.send(0x705, {127});

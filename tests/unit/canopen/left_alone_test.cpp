@@ -50,7 +50,7 @@ TEST_F(LeftAloneTest, OperationalWithADifferenceItIsLookedAtOnce) {
   turn();
   slave_.send(0x705, {5});
   turn();
-  ASSERT_EQ(node_.status().boot_result, 'L') << node_.status().boot_text;
+  ASSERT_EQ(node_.status().boot_result, BootResult::left_alone) << node_.status().boot_text;
   const std::size_t heard = slave_.heard().size();
   for (int i = 0; i < 20; ++i) {
     slave_.send(0x705, {5});

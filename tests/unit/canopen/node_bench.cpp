@@ -127,7 +127,7 @@ void NodeBench::expect_untouched() {
   EXPECT_TRUE(slave_.heard_on(0x205).empty());
 }
 
-void NodeBench::expect_letter(char letter, const std::string& text_part) {
+void NodeBench::expect_letter(BootResult letter, const std::string& text_part) {
   EXPECT_FALSE(status().online);
   EXPECT_EQ(status().boot_result, letter) << static_cast<char>(status().boot_result) << " " << status().boot_text;
   EXPECT_NE(status().boot_text.find(text_part), std::string::npos) << status().boot_text;
@@ -135,7 +135,7 @@ void NodeBench::expect_letter(char letter, const std::string& text_part) {
 }
 
 void NodeBench::expect_left_alone(const std::string& text_part) {
-  expect_letter('L', text_part);
+  expect_letter(BootResult::left_alone, text_part);
   expect_untouched();
 }
 

@@ -47,6 +47,8 @@ constexpr std::uint8_t kTestNode = 5;
 constexpr ObjectAddress kHeartbeatTime{0x1017, 0};
 constexpr ObjectAddress kControlWord{0x6040, 0};
 constexpr ObjectAddress kTarget{0x6042, 0};
+/// Bit 2 of the status word: operation enabled (CiA 402).
+const MotorSign kRunning{{0x6041, 0}, DataType::u16, 4, {4}};
 
 /// One TPDO and one RPDO of a CiA 402 drive, all written.
 NodeSettings bench_settings();
@@ -81,7 +83,7 @@ class NodeBench : public testing::Test {
   [[nodiscard]] std::vector<Frame> nmt_heard() const { return slave_.heard_on(0); }
   void expect_untouched();
   /// Not online and not started, for this reason.
-  void expect_letter(char letter, const std::string& text_part);
+  void expect_letter(BootResult letter, const std::string& text_part);
   /// Operational with a difference: neither a write nor an NMT command.
   void expect_left_alone(const std::string& text_part);
 

@@ -21,7 +21,7 @@ TEST_F(NodeCommandsTest, StopByCommandIsNoSurprise) {
   loop_.advance(60s, 10ms);
   EXPECT_EQ(status().nmt, NmtState::stopped);
   EXPECT_TRUE(status().online);
-  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().boot_result, BootResult::ok);
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(2)});
   const auto reading = support::spawn(loop_.executor(), node_->read(kControlWord, DataType::u16));
   loop_.settle();
@@ -40,20 +40,37 @@ TEST_F(NodeCommandsTest, HeartbeatThatCrossesAStopIsNoStart) {
   ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
   loop_.advance(3s);
   EXPECT_EQ(status().nmt, NmtState::pre_operational);
-  EXPECT_EQ(status().boot_result, kBootOk) << status().boot_text;
+  EXPECT_EQ(status().boot_result, BootResult::ok) << status().boot_text;
 }
 
-TEST_F(NodeCommandsTest, PreOperationalByCommandOutlastsALoss) {
+TEST_F(NodeCommandsTest, PreOperationalAfterALossMayBeARebootAndIsStarted) {
   bring_online(bench_settings());
   ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
   loop_.advance(1s);
   lose();
   slave_.unplug(false);
-  loop_.advance(5s);
-  EXPECT_TRUE(status().online);
-  EXPECT_EQ(status().nmt, NmtState::pre_operational);
-  EXPECT_EQ(status().boot_result, kBootOk);
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  ASSERT_TRUE(wait_online());
+  EXPECT_EQ(slave_.value({0x1800, 5}), 100U);
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
+}
+
+TEST_F(NodeCommandsTest, AStopByCommandOutlastsALoss) {
+  bring_online(bench_settings());
+  ASSERT_TRUE(command_now(NmtCommand::stop).has_value());
+  loop_.advance(1s);
+  lose();
+  slave_.unplug(false);
+  loop_.advance(30s, 10ms);
+  EXPECT_FALSE(status().online);
+  EXPECT_EQ(status().nmt, NmtState::stopped);
+  EXPECT_NE(status().boot_text.find("found stopped"), std::string::npos) << status().boot_text;
   EXPECT_TRUE(nmt_heard().empty());
+  const auto started = command(NmtCommand::start, 5s);
+  ASSERT_TRUE(wait_online(5s));
+  ASSERT_TRUE(started.done());
+  EXPECT_TRUE(started.get().has_value());
+  EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(128), nmt(1)}));
 }
 
 TEST_F(NodeCommandsTest, QuickStopAndStartIsNoSurprise) {
@@ -62,7 +79,7 @@ TEST_F(NodeCommandsTest, QuickStopAndStartIsNoSurprise) {
   ASSERT_TRUE(command_now(NmtCommand::start).has_value());
   slave_.send(0x705, {0x7F});  // From between the two.
   loop_.advance(2s);
-  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().boot_result, BootResult::ok);
   EXPECT_EQ(status().nmt, NmtState::operational);
 }
 

@@ -50,7 +50,7 @@ TEST_F(PdoSetupTest, EachObjectIsReadOnceAndReadBackOnlyWhereItWasWritten) {
   EXPECT_TRUE(status().online);
   const std::vector<ObjectAddress> compared{{0x1800, 1}, {0x1800, 2}, {0x1800, 5},
                                             {0x1A00, 0}, {0x1A00, 1}, {0x1A00, 2}};
-  const std::vector<ObjectAddress> read_back{{0x1800, 1}, {0x1800, 5}, {0x1A00, 0}};
+  const std::vector<ObjectAddress> read_back{{0x1800, 1}, {0x1800, 5}};
   const std::vector<ObjectAddress> rpdo{{0x1400, 1}, {0x1400, 2}, {0x1600, 0}, {0x1600, 1}, {0x1600, 2}};
   std::vector<ObjectAddress> wanted{kHeartbeatTime};
   for (const auto& part : {compared, read_back, rpdo}) {
@@ -59,18 +59,32 @@ TEST_F(PdoSetupTest, EachObjectIsReadOnceAndReadBackOnlyWhereItWasWritten) {
   EXPECT_EQ(slave_.reads(), wanted);
 }
 
-TEST_F(PdoSetupTest, AMappingThatTheDriveClearsItselfIsNoticedAndSetUpNextTime) {
+TEST_F(PdoSetupTest, AMappingThatTheDriveClearsWhenItIsSwitchedOffIsSetUpToo) {
   install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.on_write([&](ObjectAddress object) {
+    if (object == ObjectAddress{0x1800, 1} && (slave_.value(object) >> 31U) != 0) {
+      slave_.set({0x1A00, 2}, DataType::u32, 0);
+    }
+  });
+  boot(bench_settings());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1A00, 2}), 0x60440010U);
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+}
+
+TEST_F(PdoSetupTest, AVerifiedMappingThatTheDriveClearsItselfIsNoticed) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
+  install(settings);
   slave_.set({0x1800, 5}, DataType::u16, 0);
   slave_.on_write([&](ObjectAddress object) {
     if (object == ObjectAddress{0x1800, 1} && (slave_.value(object) >> 31U) != 0) {
       slave_.set({0x1A00, 0}, DataType::u8, 0);
     }
   });
-  boot(bench_settings());
-  expect_letter('J', "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
-  ASSERT_TRUE(wait_online(6s));
-  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
+  boot(settings);
+  expect_letter(BootResult::not_configured, "0x1A00:00 TPDO1 number of mapped objects: expected 2, found 0 after it was written");
 }
 
 TEST_F(PdoSetupTest, InvalidPdoWithAnotherCobIdIsCorrected) {
@@ -134,7 +148,7 @@ TEST_F(PdoSetupTest, VerifyNeverWrites) {
   slave_.set({0x1A00, 0}, DataType::u8, 1);
   slave_.set({0x1800, 5}, DataType::u16, 0);
   boot(settings);
-  expect_letter('J', "TPDO1 event timer: expected 100, found 0");
+  expect_letter(BootResult::not_configured, "TPDO1 event timer: expected 100, found 0");
   EXPECT_TRUE(slave_.writes().empty());
 }
 
@@ -185,6 +199,70 @@ TEST_F(PdoSetupTest, MappingAloneEnablesAlsoWhereOnlyTheLastStepWasMissing) {
   boot(settings);
   EXPECT_TRUE(status().online) << status().boot_text;
   EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}}));
+}
+
+TEST_F(PdoSetupTest, VerifiedCommunicationIsEnabledWhereASetUpOfTheMappingLeftItDisabled) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::verify;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0xC0000185);
+  slave_.set({0x1A00, 0}, DataType::u8, 0);
+  boot(settings);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.value({0x1A00, 0}), 2U);
+}
+
+TEST_F(PdoSetupTest, WhatIsVerifiedOnlyStaysDisabled) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].communication = SetupPolicy::verify;
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
+  install(settings);
+  slave_.set({0x1800, 1}, DataType::u32, 0xC0000185);
+  boot(settings);
+  expect_letter(BootResult::not_configured, "TPDO1 COB-ID: expected 0x185, found 0xC0000185");
+  EXPECT_TRUE(slave_.writes().empty());
+}
+
+TEST_F(PdoSetupTest, ARefusedParameterLeavesThePdoAsItWas) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.refuse_write({0x1800, 5}, 0x06090030);
+  boot(bench_settings());
+  expect_letter(BootResult::not_configured, "writing TPDO1 event timer = 0x64");
+  EXPECT_EQ(status().boot_text.find("switched off"), std::string::npos) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}, {0x1800, 5}, {0x1800, 1}}));
+}
+
+TEST_F(PdoSetupTest, AMappingThatCannotBeReadLeavesThePdoAsItWas) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.remove({0x1A00, 2});
+  boot(bench_settings());
+  expect_letter(BootResult::not_configured, "TPDO1 mapping: refused");
+  EXPECT_EQ(status().boot_text.find("switched off"), std::string::npos) << status().boot_text;
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0x40000185U);
+}
+
+TEST_F(PdoSetupTest, ARefusedMappingSaysThatThePdoIsLeftSwitchedOff) {
+  install(bench_settings());
+  slave_.set({0x1A00, 2}, DataType::u32, 0x60430010);
+  slave_.refuse_write({0x1A00, 2}, 0x06040041);
+  boot(bench_settings());
+  expect_letter(BootResult::not_configured, "writing TPDO1 mapping = 0x60440010");
+  expect_letter(BootResult::not_configured, "; TPDO1 is left switched off");
+  EXPECT_EQ(slave_.value({0x1800, 1}), 0xC0000185U);
+}
+
+TEST_F(PdoSetupTest, APdoThatCannotBeSwitchedOffIsNotSaidToBe) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  slave_.refuse_write({0x1800, 1}, 0x06010002);
+  boot(bench_settings());
+  expect_letter(BootResult::not_configured, "writing TPDO1 COB-ID = 0xC0000185");
+  EXPECT_EQ(status().boot_text.find("switched off"), std::string::npos) << status().boot_text;
   EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{{0x1800, 1}}));
 }
 

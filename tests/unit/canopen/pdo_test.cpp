@@ -55,17 +55,27 @@ TEST(Pdo, DummiesAreSkipped) {
   EXPECT_EQ(bytes, (std::array<std::uint8_t, 8>{0, 0x37, 0x12, 0, 0, 0, 0, 0}));
 }
 
-TEST(Pdo, AnotherLengthIsNeverDecoded) {
+TEST(Pdo, ShorterIsNeverDecoded) {
   const std::vector<MappedObject> mapping{mapped(0x2030, DataType::u16, 16), mapped(0x2021, DataType::u16, 16),
                                           mapped(0x2021, DataType::u16, 16)};
   const PdoPlan plan(mapping);
   std::vector<Raw> values(3, 77);
-  for (const std::size_t length : {0U, 1U, 5U, 7U, 8U}) {
+  for (const std::size_t length : {0U, 1U, 5U}) {
     EXPECT_FALSE(plan.decode(std::vector<std::uint8_t>(length, 0x11), values)) << length;
   }
   EXPECT_EQ(values, (std::vector<Raw>{77, 77, 77}));
   EXPECT_TRUE(plan.decode(std::vector<std::uint8_t>(6, 0x11), values));
   EXPECT_FALSE(plan.decode(std::vector<std::uint8_t>(6, 0x11), std::span(values).first(2)));
+}
+
+TEST(Pdo, OfALongerOneTheFirstBytesCount) {
+  const std::vector<MappedObject> mapping{mapped(0x2030, DataType::u16, 16), mapped(0x2021, DataType::i16, 16),
+                                          mapped(0x2022, DataType::u8, 4)};
+  const PdoPlan plan(mapping);
+  const std::vector<Raw> wanted{0x81, static_cast<Raw>(-1), 0x5};
+  EXPECT_EQ(decode(plan, {0x81, 0x00, 0xFF, 0xFF, 0xF5}), wanted);
+  EXPECT_EQ(decode(plan, {0x81, 0x00, 0xFF, 0xFF, 0xF5, 0xAA}), wanted);
+  EXPECT_EQ(decode(plan, {0x81, 0x00, 0xFF, 0xFF, 0xF5, 0xAA, 0xBB, 0xCC}), wanted);
 }
 
 TEST(Pdo, ATypeNarrowerThanItsMappingTakesItsOwnBits) {

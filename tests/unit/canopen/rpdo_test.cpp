@@ -25,9 +25,8 @@ PdoSettings veichi_rpdo1() {
 }
 
 void send(Rpdo& rpdo, const Fields& fields) {
-  const auto draft = rpdo.build(fields);
-  ASSERT_TRUE(draft);
-  rpdo.confirm(*draft, fields);
+  ASSERT_TRUE(rpdo.begin(fields));
+  rpdo.left();
 }
 
 std::vector<std::uint8_t> bytes_of(const Frame& frame) {
@@ -38,7 +37,7 @@ TEST(Rpdo, IsIncompleteUntilEveryFieldWasCommanded) {
   Rpdo rpdo(veichi_rpdo1());
   EXPECT_FALSE(rpdo.complete(Fields{}));
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 3000)}));
-  EXPECT_EQ(rpdo.build(Fields{value(kFrequency, 3000)}), std::nullopt);
+  EXPECT_EQ(rpdo.begin(Fields{value(kFrequency, 3000)}), std::nullopt);
 
   rpdo.note(value(kFrequency, 3000));
   rpdo.note(value(kTorque, 0));
@@ -49,78 +48,116 @@ TEST(Rpdo, IsIncompleteUntilEveryFieldWasCommanded) {
 TEST(Rpdo, FieldsTogetherCompleteIt) {
   Rpdo rpdo(veichi_rpdo1());
   const Fields fields{value(kFrequency, 5000), value(kTorque, static_cast<Raw>(-1)), value(kControl, 1)};
-  const auto draft = rpdo.build(fields);
-  ASSERT_TRUE(draft);
-  EXPECT_EQ(draft->frame.id, 0x205U);
-  EXPECT_EQ(bytes_of(draft->frame), (std::vector<std::uint8_t>{0x01, 0x00, 0x88, 0x13, 0xFF, 0xFF}));
+  const auto frame = rpdo.begin(fields);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->id, 0x205U);
+  EXPECT_EQ(bytes_of(*frame), (std::vector<std::uint8_t>{0x01, 0x00, 0x88, 0x13, 0xFF, 0xFF}));
 }
 
 TEST(Rpdo, BuildingCommandsNothing) {
   Rpdo rpdo(veichi_rpdo1());
   const Fields fields{value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)};
-  ASSERT_TRUE(rpdo.build(fields));
+  ASSERT_TRUE(rpdo.begin(fields));
   EXPECT_FALSE(rpdo.complete(Fields{}));
-  EXPECT_EQ(rpdo.last_confirmed(), std::nullopt);
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
 }
 
 TEST(Rpdo, AConfirmedFrameMakesItsFieldsKnown) {
   Rpdo rpdo(veichi_rpdo1());
   send(rpdo, {value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)});
-  const auto next = rpdo.build(Fields{value(kFrequency, 4000)});
+  const auto next = rpdo.begin(Fields{value(kFrequency, 4000)});
   ASSERT_TRUE(next);
-  EXPECT_EQ(bytes_of(next->frame), (std::vector<std::uint8_t>{0x01, 0x00, 0xA0, 0x0F, 0x00, 0x00}));
-  EXPECT_EQ(bytes_of(rpdo.last_confirmed().value()), (std::vector<std::uint8_t>{0x01, 0x00, 0x88, 0x13, 0x00, 0x00}));
+  EXPECT_EQ(bytes_of(*next), (std::vector<std::uint8_t>{0x01, 0x00, 0xA0, 0x0F, 0x00, 0x00}));
+  EXPECT_EQ(bytes_of(rpdo.repeated().value()), (std::vector<std::uint8_t>{0x01, 0x00, 0x88, 0x13, 0x00, 0x00}));
 }
 
 TEST(Rpdo, VoidForgetsEverything) {
   Rpdo rpdo(veichi_rpdo1());
   send(rpdo, {value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)});
-  rpdo.make_void();
+  rpdo.make_void(false);
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 4000)}));
-  EXPECT_EQ(rpdo.last_confirmed(), std::nullopt);
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
 }
 
 TEST(Rpdo, AtStandstillASupervisedDriveIsStillRepeatedTo) {
   Rpdo rpdo(veichi_rpdo1());
   send(rpdo, {value(kFrequency, 5000), value(kTorque, 0), value(kControl, 5)});
-  const auto repeated = rpdo.last_confirmed();
-  rpdo.make_void_but_repeat();
-  EXPECT_EQ(rpdo.last_confirmed(), repeated);
+  const auto repeated = rpdo.repeated();
+  rpdo.make_void(true);
+  EXPECT_EQ(rpdo.repeated(), repeated);
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 4000)}));
 }
 
 TEST(Rpdo, VoidWhileAFrameIsOnItsWayHolds) {
   Rpdo rpdo(veichi_rpdo1());
   const Fields fields{value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)};
-  const auto draft = rpdo.build(fields);
-  ASSERT_TRUE(draft);
-  rpdo.make_void();
-  rpdo.confirm(*draft, fields);
+  const auto frame = rpdo.begin(fields);
+  ASSERT_TRUE(frame);
+  rpdo.make_void(false);
+  rpdo.left();
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 4000)}));
-  EXPECT_EQ(rpdo.last_confirmed(), std::nullopt);
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
 }
 
 TEST(Rpdo, StandstillWhileAFrameIsOnItsWayRepeatsThatFrame) {
   Rpdo rpdo(veichi_rpdo1());
   const Fields fields{value(kFrequency, 5000), value(kTorque, 0), value(kControl, 5)};
-  const auto draft = rpdo.build(fields);
-  ASSERT_TRUE(draft);
-  rpdo.make_void_but_repeat();
-  rpdo.confirm(*draft, fields);
+  const auto frame = rpdo.begin(fields);
+  ASSERT_TRUE(frame);
+  rpdo.make_void(true);
+  rpdo.left();
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 4000)}));
-  EXPECT_EQ(rpdo.last_confirmed(), draft->frame);
+  EXPECT_EQ(rpdo.repeated(), *frame);
+}
+
+TEST(Rpdo, AnSdoWriteWhileAFrameIsOnItsWayMakesThatCountForNothing) {
+  Rpdo rpdo(veichi_rpdo1());
+  send(rpdo, {value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)});
+  ASSERT_TRUE(rpdo.begin(Fields{value(kFrequency, 4000)}));
+  rpdo.note(value(kTorque, 7));
+  rpdo.left();
+  EXPECT_FALSE(rpdo.complete(Fields{}));
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
+  const auto next = rpdo.begin(Fields{value(kFrequency, 3000)});
+  ASSERT_TRUE(next) << "what is not in that frame's fields is still known";
+  EXPECT_EQ(bytes_of(*next), (std::vector<std::uint8_t>{0x01, 0x00, 0xB8, 0x0B, 0x07, 0x00}));
+}
+
+TEST(Rpdo, AForgottenFieldWhileAFrameIsOnItsWayMakesThatCountForNothing) {
+  Rpdo rpdo(veichi_rpdo1());
+  send(rpdo, {value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)});
+  ASSERT_TRUE(rpdo.begin(Fields{value(kFrequency, 4000)}));
+  rpdo.forget(kTorque);
+  rpdo.left();
+  EXPECT_FALSE(rpdo.complete(Fields{value(kTorque, 0)}));
+  EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 0)}));
+  EXPECT_TRUE(rpdo.complete(Fields{value(kTorque, 0), value(kFrequency, 0)}));
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
+}
+
+TEST(Rpdo, AFrameReliesOnWhatWasKnownWhereNotAllIsGivenWithIt) {
+  Rpdo rpdo(veichi_rpdo1());
+  const Fields all{value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)};
+  ASSERT_TRUE(rpdo.begin(all));
+  EXPECT_FALSE(rpdo.relies_on_known());
+  rpdo.left();
+  ASSERT_TRUE(rpdo.begin(Fields{value(kFrequency, 4000)}));
+  EXPECT_TRUE(rpdo.relies_on_known());
+  rpdo.left();
+  ASSERT_TRUE(rpdo.begin(all));
+  EXPECT_FALSE(rpdo.relies_on_known());
 }
 
 TEST(Rpdo, AnUnknownOutcomeUnknowsItsFieldsOnly) {
   Rpdo rpdo(veichi_rpdo1());
   send(rpdo, {value(kFrequency, 5000), value(kTorque, 0), value(kControl, 1)});
   const Fields stop{value(kControl, 5)};
-  ASSERT_TRUE(rpdo.build(stop));
-  rpdo.outcome_unknown(stop);
+  ASSERT_TRUE(rpdo.begin(stop));
+  rpdo.outcome_unknown();
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 4000)}));
   EXPECT_TRUE(rpdo.complete(stop));
   // The drive may have stopped: repeating the frame before would start it again.
-  EXPECT_EQ(rpdo.last_confirmed(), std::nullopt);
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
 }
 
 TEST(Rpdo, AMomentaryValueIsForgottenAndNotRepeated) {
@@ -129,14 +166,14 @@ TEST(Rpdo, AMomentaryValueIsForgottenAndNotRepeated) {
   rpdo.forget(kControl);
   EXPECT_FALSE(rpdo.complete(Fields{value(kFrequency, 4000)}));
   EXPECT_TRUE(rpdo.complete(Fields{value(kControl, 1)}));
-  EXPECT_EQ(rpdo.last_confirmed(), std::nullopt);
+  EXPECT_EQ(rpdo.repeated(), std::nullopt);
 }
 
 TEST(Rpdo, RepetitionDoesNotUndoAnSdoWrite) {
   Rpdo rpdo(veichi_rpdo1());
   send(rpdo, {value(kFrequency, 5000), value(kTorque, static_cast<Raw>(-1)), value(kControl, 1)});
   rpdo.note(value(kFrequency, 4000));
-  EXPECT_EQ(bytes_of(rpdo.last_confirmed().value()), (std::vector<std::uint8_t>{0x01, 0x00, 0xA0, 0x0F, 0xFF, 0xFF}));
+  EXPECT_EQ(bytes_of(rpdo.repeated().value()), (std::vector<std::uint8_t>{0x01, 0x00, 0xA0, 0x0F, 0xFF, 0xFF}));
 }
 
 TEST(Rpdo, UnusedFieldsAreZeroAndNotCommanded) {
@@ -145,9 +182,9 @@ TEST(Rpdo, UnusedFieldsAreZeroAndNotCommanded) {
   Rpdo rpdo(settings);
   EXPECT_FALSE(rpdo.maps(kTorque));
   EXPECT_FALSE(rpdo.complete(Fields{value(kControl, 1), value(kFrequency, 5000), value(kTorque, 9)}));
-  const auto draft = rpdo.build(Fields{value(kControl, 1), value(kFrequency, 5000)});
-  ASSERT_TRUE(draft);
-  EXPECT_EQ(bytes_of(draft->frame), (std::vector<std::uint8_t>{0x01, 0x00, 0x88, 0x13, 0x00, 0x00}));
+  const auto frame = rpdo.begin(Fields{value(kControl, 1), value(kFrequency, 5000)});
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(bytes_of(*frame), (std::vector<std::uint8_t>{0x01, 0x00, 0x88, 0x13, 0x00, 0x00}));
 }
 
 TEST(Rpdo, AnUnnamedFieldMakesItNeverComplete) {
@@ -156,7 +193,7 @@ TEST(Rpdo, AnUnnamedFieldMakesItNeverComplete) {
   Rpdo rpdo(settings);
   rpdo.note(value(kTorque, 0));
   EXPECT_FALSE(rpdo.complete(Fields{value(kControl, 1), value(kFrequency, 5000)}));
-  EXPECT_EQ(rpdo.build(Fields{value(kControl, 1), value(kFrequency, 5000), value(kTorque, 0)}), std::nullopt);
+  EXPECT_EQ(rpdo.begin(Fields{value(kControl, 1), value(kFrequency, 5000), value(kTorque, 0)}), std::nullopt);
 }
 
 TEST(Rpdo, AForeignObjectIsNeverDroppedSilently) {
@@ -167,7 +204,7 @@ TEST(Rpdo, AForeignObjectIsNeverDroppedSilently) {
 
 TEST(Rpdo, AnEmptyMappingIsNeverSent) {
   Rpdo rpdo(PdoSettings{.cob_id = 0x205});
-  EXPECT_EQ(rpdo.build(Fields{}), std::nullopt);
+  EXPECT_EQ(rpdo.begin(Fields{}), std::nullopt);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ BusSettings bus_settings(std::optional<std::uint32_t> bitrate) {
 }  // namespace
 
 void TroubleCount::on_status(const NodeStatus& status) {
-  const bool letter = status.boot_result != kBootOk && status.boot_result != kNotBooted;
+  const bool letter = is_letter(status.boot_result);
   if (letter && status.boot_result != letter_) {
     ++letters;
     text = static_cast<char>(status.boot_result) + (" " + status.boot_text);

@@ -31,7 +31,7 @@ class TroubleCount final : public NodeEvents {
   std::string text;  ///< Of the newest letter.
 
  private:
-  std::uint8_t letter_ = kNotBooted;
+  BootResult letter_ = BootResult::not_booted;
   bool lost_ = false;
 };
 

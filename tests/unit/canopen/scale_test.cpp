@@ -15,9 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Heartbeat time: read, written, read back. Of a TPDO 8 objects are compared, 3 writes change its type, and COB-ID,
-// type and number of mapped objects are read back; of the RPDO 6, 3 and 3.
-constexpr std::size_t kTransfersOfABoot = 3 + 3 * (8 + 3 + 3) + (6 + 3 + 3);
+// Heartbeat time: read, written, read back. Of a TPDO 8 objects are compared, 3 writes change its type, and COB-ID
+// and type are read back; of the RPDO 6, 3 and 2.
+constexpr std::size_t kTransfersOfABoot = 3 + 3 * (8 + 3 + 2) + (6 + 3 + 2);
 
 struct PowerUp {
   unsigned drives;

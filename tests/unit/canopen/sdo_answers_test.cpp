@@ -105,21 +105,23 @@ TEST_F(SdoAnswersTest, UploadStyleConfirmationOnlyWhereTheProfileAllowsIt) {
 TEST_F(SdoAnswersTest, SegmentedUploadWithAndWithoutSize) {
   const std::string name = "AC310 frequency inverter";
   slave_.set_bytes(kName, Bytes(name.begin(), name.end()));
-  auto reading = support::spawn(loop_.executor(), client_->upload(kName));
-  loop_.advance(5ms);
-  ASSERT_TRUE(reading.done());
-  EXPECT_EQ(reading.get().value(), Bytes(name.begin(), name.end()));
+  EXPECT_EQ(read_now(kName, DataType::u64).value(), 0x7266203031334341U) << "the lower bytes count";
+  EXPECT_EQ(slave_.heard_on(0x605).size(), 5U) << "all of it was fetched";
 
   answer_with({{0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0}, {0x0D, 'A', 0, 0, 0, 0, 0, 0}});
-  reading = support::spawn(loop_.executor(), client_->upload(kName));
-  loop_.advance(5ms);
-  ASSERT_TRUE(reading.done());
-  EXPECT_EQ(reading.get().value(), Bytes{'A'});
+  EXPECT_EQ(read_now(kName, DataType::u8).value(), Raw{'A'});
+}
+
+TEST_F(SdoAnswersTest, TheAnnouncedSizeOfAnUploadIsAHint) {
+  for (const unsigned announced : {0U, 4U, 6U, 200U}) {
+    answer_with({{0x41, 0x30, 0x20, 0x03, static_cast<std::uint8_t>(announced), 0, 0, 0}, {0x05, 1, 2, 3, 4, 5, 0, 0}});
+    EXPECT_EQ(read_now(kStatus, DataType::u32).value(), 0x04030201U) << announced;
+  }
 }
 
 TEST_F(SdoAnswersTest, WrongToggleIsAborted) {
   answer_with({{0x41, 0x08, 0x10, 0x00, 10, 0, 0, 0}, {0x10, 1, 2, 3, 4, 5, 6, 7}});
-  const auto reading = support::spawn(loop_.executor(), client_->upload(kName));
+  const auto reading = read(kName, DataType::u64);
   loop_.advance(5ms);
   ASSERT_TRUE(reading.done());
   EXPECT_EQ(reading.get().error().kind, ErrorKind::protocol);
@@ -128,7 +130,7 @@ TEST_F(SdoAnswersTest, WrongToggleIsAborted) {
 
 TEST_F(SdoAnswersTest, EndlessOrOverlongUploadsEnd) {
   answer_with({{0x41, 0x08, 0x10, 0x00, 0, 0, 1, 0}});
-  auto reading = support::spawn(loop_.executor(), client_->upload(kName));
+  auto reading = read(kName, DataType::u64);
   loop_.advance(5ms);
   ASSERT_TRUE(reading.done());
   EXPECT_EQ(reading.get().error().kind, ErrorKind::protocol);
@@ -137,7 +139,7 @@ TEST_F(SdoAnswersTest, EndlessOrOverlongUploadsEnd) {
     const auto toggle = static_cast<std::uint8_t>(request[0] & 0x10U);
     return request[0] == 0x40 ? Answers{{0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0}} : Answers{{toggle, 1, 2, 3, 4, 5, 6, 7}};
   });
-  reading = support::spawn(loop_.executor(), client_->upload(kName));
+  reading = read(kName, DataType::u64);
   loop_.advance(5ms);
   ASSERT_TRUE(reading.done());
   EXPECT_EQ(reading.get().error().kind, ErrorKind::protocol);
@@ -145,7 +147,7 @@ TEST_F(SdoAnswersTest, EndlessOrOverlongUploadsEnd) {
   slave_.script([](const Bytes& request) {
     return request[0] == 0x40 ? Answers{{0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0}} : Answers{{0x0E, 0, 0, 0, 0, 0, 0, 0}};
   });
-  reading = support::spawn(loop_.executor(), client_->upload(kName));
+  reading = read(kName, DataType::u64);
   loop_.advance(5ms);
   ASSERT_TRUE(reading.done());
   EXPECT_EQ(reading.get().error().kind, ErrorKind::protocol);

@@ -9,6 +9,7 @@
 #include "canopen/bus/bus.h"
 #include "canopen/bus/virtual_link.h"
 #include "canopen/sdo/client.h"
+#include "tests/support/gated_link.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/scripted_slave.h"
 #include "tests/support/spawn.h"
@@ -81,7 +82,8 @@ class SdoBench : public testing::Test {
 
   support::HandDrivenLoop loop_;
   VirtualBus wire_{loop_.executor()};
-  Bus bus_{loop_.executor(), wire_.connect(), quiet_bus()};
+  bool closed_ = false;  ///< Nothing of ours can leave.
+  Bus bus_{loop_.executor(), std::make_unique<support::GatedLink>(wire_.connect(), closed_), quiet_bus()};
   support::ScriptedSlave slave_{loop_.executor(), wire_, kNode};
   std::unique_ptr<SdoClient> client_ = std::make_unique<SdoClient>(loop_.executor(), bus_, kNode, SdoSettings{});
   std::vector<std::uint32_t> aborts_;

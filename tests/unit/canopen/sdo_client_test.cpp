@@ -1,5 +1,6 @@
-// The SDO client over time: retries, deadlines, late answers, interruptions.
+// The SDO client over time: retries, deadlines, interruptions, who goes first.
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,7 @@ TEST_F(SdoClientTest, SilenceAmongSegmentsIsAborted) {
     return Answers{};
   });
   use({.retries = 0});
-  const auto reading = support::spawn(loop_.executor(), client_->upload(kName));
+  const auto reading = read(kName, DataType::u64);
   loop_.advance(499ms);
   EXPECT_FALSE(reading.done());
   loop_.advance(2ms);
@@ -52,8 +53,34 @@ TEST_F(SdoClientTest, SilenceIsATimeoutAfterTheRetries) {
   EXPECT_EQ(reading.get().error().kind, ErrorKind::timeout);
   EXPECT_EQ(reading.get().error().object, kStatus);
   EXPECT_FALSE(reading.get().error().outcome_unknown);
+  EXPECT_FALSE(reading.get().error().not_sent);
   EXPECT_FALSE(client_->answered());
   EXPECT_EQ(slave_.heard_on(0x605).size(), 3U);
+}
+
+TEST_F(SdoClientTest, ARequestThatCannotLeaveSaysNothingAboutTheNode) {
+  slave_.set(kStatus, DataType::u16, 1);
+  closed_ = true;
+  const auto reading = read(kStatus, DataType::u16);
+  const auto writing = write(kStatus, DataType::u16, 2);
+  ASSERT_TRUE(loop_.advance_until([&] { return writing.done(); }, 10s));
+  for (const Error& error : {reading.get().error(), writing.get().error()}) {
+    EXPECT_EQ(error.kind, ErrorKind::timeout);
+    EXPECT_TRUE(error.not_sent);
+  }
+  closed_ = false;
+  loop_.advance(1s);
+  EXPECT_TRUE(slave_.heard_on(0x605).empty());
+}
+
+TEST_F(SdoClientTest, ACommandThatCannotLeaveIsNotUnknown) {
+  closed_ = true;
+  const auto writing = command(kCommand, 5, 300ms);
+  loop_.advance(301ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::timeout);
+  EXPECT_TRUE(writing.get().error().not_sent);
+  EXPECT_FALSE(writing.get().error().outcome_unknown);
 }
 
 TEST_F(SdoClientTest, CommandIsSentOnceAndItsOutcomeUnknown) {
@@ -83,6 +110,7 @@ TEST_F(SdoClientTest, CommandThatCannotBeginIsWithdrawn) {
   ASSERT_TRUE(writing.done());
   EXPECT_EQ(writing.get().error().kind, ErrorKind::timeout);
   EXPECT_FALSE(writing.get().error().outcome_unknown);
+  EXPECT_TRUE(writing.get().error().not_sent);
   loop_.advance(3s);
   EXPECT_TRUE(slave_.writes().empty());
 }
@@ -164,6 +192,42 @@ TEST_F(SdoClientTest, ACommandGoesBetweenTheTriesOfARead) {
   EXPECT_EQ(slave_.reads().size(), 4U);
 }
 
+TEST_F(SdoClientTest, ACommandEndsALongUploadWhichIsBegunAnew) {
+  slave_.set_bytes(kName, Bytes(250, 1));
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.delay_answers(30ms);
+  const auto reading = read(kName, DataType::u64);
+  loop_.advance(100ms);
+  const auto writing = command(kCommand, 5);
+  loop_.advance(65ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_TRUE(writing.get().has_value()) << to_string(writing.get().error());
+  EXPECT_FALSE(reading.done());
+  const std::vector<Frame> heard = slave_.heard_on(0x605);
+  EXPECT_EQ(std::count(heard.begin(), heard.end(), make_frame(0x605, Bytes{0x80, 0x08, 0x10, 0, 0, 0, 0, 0x08})), 1);
+  ASSERT_TRUE(loop_.advance_until([&] { return reading.done(); }, 2s));
+  EXPECT_EQ(reading.get().value(), 0x0101010101010101U);
+  EXPECT_EQ(slave_.reads(), (std::vector<ObjectAddress>{kName, kName})) << "no proof was needed";
+}
+
+TEST_F(SdoClientTest, ALongUploadIsEndedAlsoWhileItsRequestWaits) {
+  slave_.set_bytes(kName, Bytes(250, 1));
+  slave_.set(kCommand, DataType::u16, 0);
+  slave_.delay_answers(30ms);
+  const auto reading = support::spawn(loop_.executor(), client_->probe(kName, DataType::u64));
+  loop_.advance(100ms);
+  closed_ = true;
+  loop_.advance(30ms);
+  const auto writing = command(kCommand, 5);
+  loop_.advance(10ms);
+  closed_ = false;
+  loop_.advance(70ms);
+  ASSERT_TRUE(writing.done());
+  EXPECT_TRUE(writing.get().has_value());
+  ASSERT_TRUE(loop_.advance_until([&] { return reading.done(); }, 2s));
+  EXPECT_TRUE(reading.get().has_value()) << "giving way uses up no try";
+}
+
 TEST_F(SdoClientTest, InterruptionWithdrawsACommandFromTheTransmitQueue) {
   slave_.send(0x705, {5});  // The bus shows life.
   loop_.advance(1ms);
@@ -180,82 +244,6 @@ TEST_F(SdoClientTest, InterruptionWithdrawsACommandFromTheTransmitQueue) {
   wire_.withhold_echoes(false);
   loop_.advance(1s);
   EXPECT_TRUE(slave_.writes().empty());
-}
-
-TEST_F(SdoClientTest, ForeignAndLateAnswersAreDropped) {
-  // The answer to another client's request, a segment out of the blue, then ours.
-  answer_with({{0x4B, 0x31, 0x20, 0x03, 9, 9, 0, 0},
-               {0x4B, 0x30, 0x20, 0x04, 9, 9, 0, 0},
-               {0x80, 0x30, 0x20, 0x04, 0, 0, 2, 6},
-               {0x00, 1, 2, 3, 4, 5, 6, 7},
-               {},
-               {0x4B, 0x30, 0x20, 0x03, 7, 0, 0, 0}});
-  EXPECT_EQ(read_now(kStatus, DataType::u16).value(), 7U);
-}
-
-TEST_F(SdoClientTest, LateAnswerToATimedOutRequestIsDropped) {
-  use({.retries = 0});
-  slave_.set(kStatus, DataType::u16, 1);
-  slave_.set(kCommand, DataType::u16, 2);
-  slave_.delay_answers(600ms);
-  const auto first = read(kStatus, DataType::u16);
-  loop_.advance(550ms);
-  ASSERT_TRUE(first.done());
-  EXPECT_EQ(first.get().error().kind, ErrorKind::timeout);
-  const auto second = read(kCommand, DataType::u16);
-  loop_.advance(100ms);  // The late answer arrives at 600 ms.
-  EXPECT_FALSE(second.done());
-  slave_.send(0x585, {0x4B, 0x30, 0x20, 0x02, 2, 0, 0, 0});
-  loop_.advance(1ms);
-  ASSERT_TRUE(second.done());
-  EXPECT_EQ(second.get().value(), 2U);
-}
-
-TEST_F(SdoClientTest, LateConfirmationNeverConfirmsTheNextCommand) {
-  slave_.set(kStatus, DataType::u16, 1);
-  slave_.set(kCommand, DataType::u16, 0);
-  static_cast<void>(read_now(kStatus, DataType::u16));  // An object known to be readable.
-  slave_.delay_answers(450ms);
-  const auto first = command(kCommand, 5, 300ms);
-  loop_.advance(301ms);
-  ASSERT_TRUE(first.done());
-  EXPECT_TRUE(first.get().error().outcome_unknown);
-  slave_.refuse_write(kCommand, 0x08000022);
-  const auto second = command(kCommand, 6, 2s);
-  loop_.advance(200ms);  // Here the first one's confirmation arrives.
-  EXPECT_FALSE(second.done());
-  loop_.advance(1s);
-  ASSERT_TRUE(second.done());
-  EXPECT_EQ(second.get().error().kind, ErrorKind::refused);
-  EXPECT_EQ(slave_.value(kCommand), 5U);
-}
-
-TEST_F(SdoClientTest, ACommandLeavesAlsoWhereTheDriveStaysSilent) {
-  slave_.set(kStatus, DataType::u16, 1);
-  slave_.set(kCommand, DataType::u16, 0);
-  static_cast<void>(read_now(kStatus, DataType::u16));
-  slave_.delay_answers(1100ms);  // What it is sent it does, but says so late.
-  const auto start = command(kCommand, 1);
-  loop_.advance(550ms);
-  ASSERT_TRUE(start.done());
-  EXPECT_TRUE(start.get().error().outcome_unknown);
-  slave_.delay_answers(2s);
-  const auto stop = command(kCommand, 5);
-  loop_.advance(420ms);
-  const auto sent = slave_.heard().back().bytes();
-  EXPECT_EQ(Bytes(sent.begin(), sent.end()), (Bytes{0x2B, 0x30, 0x20, 0x02, 5, 0, 0, 0})) << "the stop is on the bus";
-  loop_.advance(600ms);
-  ASSERT_TRUE(stop.done());
-  EXPECT_EQ(stop.get().error().kind, ErrorKind::timeout);
-  EXPECT_TRUE(stop.get().error().outcome_unknown);
-  EXPECT_NE(stop.get().error().detail.find("earlier request"), std::string::npos) << stop.get().error().detail;
-  // The answer to the first one ended the second, whose own answer comes when a third is on its way.
-  loop_.advance(990ms);
-  const auto third = command(kCommand, 6);
-  loop_.advance(850ms);
-  ASSERT_TRUE(third.done());
-  ASSERT_TRUE(third.get().has_error()) << "confirmed by the answer to another";
-  EXPECT_TRUE(third.get().error().outcome_unknown);
 }
 
 TEST_F(SdoClientTest, ACommandMadeFromWhatHasChangedMeanwhileNeverLeaves) {
@@ -276,26 +264,6 @@ TEST_F(SdoClientTest, ACommandMadeFromWhatHasChangedMeanwhileNeverLeaves) {
   EXPECT_FALSE(writing.get().error().outcome_unknown);
   loop_.advance(1s);
   EXPECT_TRUE(slave_.writes().empty());
-}
-
-TEST_F(SdoClientTest, WithoutProofNoAnswerConfirmsOrRefusesACommand) {
-  for (const bool confirmed : {true, false}) {
-    slave_.script({});
-    slave_.mute_sdo(true);
-    use({});
-    const auto first = command(kCommand, 1);
-    loop_.advance(550ms);
-    ASSERT_TRUE(first.done());
-    slave_.mute_sdo(false);
-    answer_with({confirmed ? Bytes{0x60, 0x30, 0x20, 0x02, 0, 0, 0, 0} : Bytes{0x80, 0x30, 0x20, 0x02, 0, 0, 2, 6}});
-    const auto second = command(kCommand, 5);
-    loop_.advance(450ms);
-    ASSERT_TRUE(second.done());
-    ASSERT_TRUE(second.get().has_error());
-    EXPECT_EQ(second.get().error().kind, ErrorKind::timeout);
-    EXPECT_TRUE(second.get().error().outcome_unknown);
-    EXPECT_NE(second.get().error().detail.find("earlier request"), std::string::npos) << second.get().error().detail;
-  }
 }
 
 TEST_F(SdoClientTest, InterruptionFailsEverythingAndTheClientGoesOn) {

@@ -25,7 +25,7 @@ TEST_F(StateSearchTest, FoundPreOperationalItIsBooted) {
   EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::booted});
 }
 
-TEST_F(StateSearchTest, FoundStoppedItIsMadePreOperationalFirst) {
+TEST_F(StateSearchTest, FoundStoppedItIsLeftSoUntilAStartCommand) {
   install(bench_settings());
   slave_.set_state(4);
   slave_.script([this](const support::ScriptedSlave::Bytes&) {
@@ -33,7 +33,13 @@ TEST_F(StateSearchTest, FoundStoppedItIsMadePreOperationalFirst) {
     return slave_.state() == 4 ? std::optional(Answers{}) : std::nullopt;
   });
   start(bench_settings());
+  loop_.advance(30s, 10ms);
+  expect_letter(BootResult::not_configured, "found stopped");
+  EXPECT_FALSE(status().lost);
+  const auto started = support::spawn(loop_.executor(), node_->command(NmtCommand::start, Clock::now() + 3s));
   ASSERT_TRUE(wait_online());
+  ASSERT_TRUE(started.done());
+  EXPECT_TRUE(started.get().has_value());
   EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(128), nmt(1)}));
 }
 
@@ -76,7 +82,7 @@ TEST_F(StateSearchTest, GuardingIsNoHeartbeat) {
   slave_.answer_guarding(true);
   start(settings);
   loop_.advance(4s);
-  EXPECT_EQ(status().boot_result, 'E') << status().boot_text;
+  EXPECT_EQ(status().boot_result, BootResult::no_error_control) << status().boot_text;
   EXPECT_NE(status().boot_text.find("guarding is not supported"), std::string::npos) << status().boot_text;
   events_.statuses.clear();
   loop_.advance(60s, 10ms);
@@ -85,7 +91,7 @@ TEST_F(StateSearchTest, GuardingIsNoHeartbeat) {
   expect_untouched();
   slave_.set(kHeartbeatTime, DataType::u16, 500);
   EXPECT_TRUE(wait_online(10s));
-  EXPECT_EQ(status().boot_result, kBootOk);
+  EXPECT_EQ(status().boot_result, BootResult::ok);
 }
 
 TEST_F(StateSearchTest, KnownByGuardingAndLeftAloneNothingFlaps) {
@@ -134,7 +140,7 @@ TEST_F(StateSearchTest, MissingDriveIsTold) {
   loop_.advance(200ms);
   EXPECT_TRUE(status().lost);
   EXPECT_FALSE(status().online);
-  EXPECT_EQ(status().boot_result, kNotBooted);
+  EXPECT_EQ(status().boot_result, BootResult::not_booted);
   EXPECT_EQ(status().heartbeat_losses, 0U) << "it was never heard";
 }
 

@@ -30,25 +30,47 @@ TEST_F(TakeoverTest, OperationalAsWantedByHeartbeat) {
   expect_untouched();
 }
 
-TEST_F(TakeoverTest, ATpdoMeansOperationalAndEndsTheListening) {
-  running(bench_settings());
-  without_heartbeat();
-  start(bench_settings());
+/// Nothing but its TPDOs tells what it does.
+NodeSettings without_error_control() {
+  NodeSettings settings = bench_settings();
+  settings.error_control.heartbeat = Duration::zero();
+  return settings;
+}
+
+TEST_F(TakeoverTest, ATpdoMeansOperationalWhereNoErrorControlTells) {
+  running(without_error_control());
+  slave_.set(kHeartbeatTime, DataType::u16, 0);
+  start(without_error_control());
   loop_.advance(100ms);
   EXPECT_FALSE(status().online);
   EXPECT_TRUE(slave_.reads().empty());
   send_tpdo(0x27, 1450);
   loop_.advance(10ms);
-  EXPECT_TRUE(status().online);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(slave_.reads().front(), kHeartbeatTime);
   EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::taken_over});
   expect_untouched();
 }
 
-TEST_F(TakeoverTest, TpdosFromBeforeTheEndAreNoValues) {
-  running(bench_settings());
-  without_heartbeat();
-  slave_.delay_answers(5ms);
+TEST_F(TakeoverTest, AHeartbeatDecidesWhateverTpdosComeBefore) {
+  install(bench_settings());
+  slave_.set({0x1800, 5}, DataType::u16, 0);
+  loop_.advance(10ms);  // Its heartbeat has just been.
   start(bench_settings());
+  send_tpdo(0x27, 1450);
+  loop_.advance(400ms);
+  EXPECT_TRUE(slave_.writes().empty());
+  EXPECT_FALSE(status().online);
+  ASSERT_TRUE(wait_online()) << "it said pre-operational";
+  EXPECT_EQ(slave_.value({0x1800, 5}), 100U);
+  EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::booted});
+}
+
+TEST_F(TakeoverTest, TpdosFromBeforeTheEndAreNoValues) {
+  running(without_error_control());
+  slave_.set(kHeartbeatTime, DataType::u16, 0);
+  slave_.delay_answers(5ms);
+  start(without_error_control());
   send_tpdo(0x27, 1);
   loop_.advance(10ms);
   send_tpdo(0x27, 2);
@@ -89,12 +111,23 @@ TEST_F(TakeoverTest, AnotherMappingIsLeftAlone) {
   EXPECT_TRUE(events_.tpdos.empty());
 }
 
-TEST_F(TakeoverTest, AnotherHeartbeatTimeIsAChangeEvenIfItArrivesInTime) {
+TEST_F(TakeoverTest, AnotherHeartbeatTimeThatIsInTimeIsARemark) {
   running(bench_settings());
   slave_.set(kHeartbeatTime, DataType::u16, 1000);
   start(bench_settings());
   loop_.advance(3s);
-  expect_left_alone("0x1017:00 heartbeat time: expected 500, found 1000");
+  EXPECT_TRUE(status().online) << status().boot_text;
+  ASSERT_EQ(events_.remarks.size(), 1U);
+  EXPECT_EQ(events_.remarks[0], "0x1017:00 heartbeat time: expected 500, found 1000, which will do");
+  expect_untouched();
+}
+
+TEST_F(TakeoverTest, AHeartbeatTimeThatIsTooLongIsLeftAlone) {
+  running(bench_settings());
+  slave_.set(kHeartbeatTime, DataType::u16, 1500);
+  start(bench_settings());
+  loop_.advance(3s);
+  expect_left_alone("0x1017:00 heartbeat time: expected 500, found 1500");
 }
 
 TEST_F(TakeoverTest, AnotherSettingIsLeftAlone) {
@@ -123,7 +156,7 @@ TEST_F(TakeoverTest, AnotherIdentityKeepsItsLetter) {
   settings.identity.vendor = 0x91;
   start(settings);
   loop_.advance(3s);
-  EXPECT_EQ(status().boot_result, 'D');
+  EXPECT_EQ(status().boot_result, BootResult::other_vendor);
   EXPECT_FALSE(status().online);
   expect_untouched();
 }
@@ -173,7 +206,7 @@ TEST_F(TakeoverTest, LeftAloneAlsoAfterItLeavesOperationalByItself) {
   expect_left_alone("event timer");
   slave_.set_state(127);
   EXPECT_FALSE(wait_online(30s));
-  EXPECT_EQ(status().boot_result, 'J');
+  EXPECT_EQ(status().boot_result, BootResult::not_configured);
   EXPECT_NE(status().boot_text.find("left operational by itself"), std::string::npos) << status().boot_text;
   EXPECT_EQ(slave_.value({0x1800, 5}), 0U);
   expect_untouched();

@@ -44,6 +44,15 @@ TEST(ExitCode, OfWrongUsageIs2) {
   }
 }
 
+TEST(ExitCode, OfAProfileDirectoryThatIsNotThereIs2) {
+  const TemporaryFile site(kSite);
+  for (const std::string& nowhere : {std::string("/nowhere/profiles"), site.path()}) {
+    Program program({"--config", site.path(), "--profile-dir", nowhere, "check"});
+    EXPECT_EQ(program.exit_code(), kWrongUsage) << program.output();
+    EXPECT_THAT(program.output(), HasSubstr(nowhere));
+  }
+}
+
 TEST(ExitCode, OfAWrongConfigurationIs78) {
   const TemporaryFile wrong(kSite + "hearbeat = 5\n");
   for (const std::string command : {"check", "map", "run", "simulate", "demo"}) {

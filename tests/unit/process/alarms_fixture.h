@@ -33,7 +33,7 @@ class AlarmsTest : public ::testing::Test {
     status_.configured = true;
     status_.lost = false;
     status_.nmt = canopen::NmtState::operational;
-    status_.boot_result = canopen::kBootOk;
+    status_.boot_result = canopen::BootResult::ok;
     alarms_->on_status(status_, wall_);
   }
   void go_offline(bool lost = true) {

@@ -85,7 +85,7 @@ TEST_F(AlarmsTest, HeartbeatAlarm) {
 }
 
 TEST_F(AlarmsTest, BootAlarmNamesItsLetterAndReason) {
-  status_.boot_result = 'C';
+  status_.boot_result = canopen::BootResult::other_device_type;
   status_.boot_text = "0x1000:00 is 0x00000191, expected 0x00010192";
   alarms_->on_status(status_, wall_);
   const Alarm& alarm = alarms_->alarm(AlarmKind::boot);

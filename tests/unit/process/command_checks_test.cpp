@@ -131,6 +131,33 @@ TEST_F(CommandsTest, NmtBehindARunCommandSeesTheMotorRun) {
   expect_refused(finish(stop_node, 300ms), ErrorKind::forbidden);
 }
 
+TEST_F(CommandsTest, ADriveThatWasLeftAloneIsAskedWhetherItsMotorRuns) {
+  model_.node.setup = {{test::kLimit, DataType::u16, 7}};  // It runs, and holds another value.
+  model_.node.motor.running =
+      canopen::MotorSign{test::kStatusWord, DataType::u16, test::kRunningBit, {test::kRunningBit}};
+  slave_.set_state(5);
+  status_word_ = test::kRunningBit;
+  send_tpdos();
+  start();
+  run(2500ms);
+  ASSERT_EQ(drive_->status().boot_result, canopen::BootResult::left_alone) << drive_->status().boot_text;
+  slave_.forget_heard();
+  const Outcome while_running = nmt_now(NmtCommand::pre_operational);
+  expect_refused(while_running, ErrorKind::forbidden);
+  EXPECT_NE(while_running.error().detail.find("the motor runs"), std::string::npos) << while_running.error().detail;
+  expect_silence();
+  show(0);
+  EXPECT_TRUE(nmt_now(NmtCommand::pre_operational).has_value());
+  EXPECT_EQ(slave_.state(), 127U);
+  slave_.forget_heard();
+  slave_.set_state(5);
+  run(1s);
+  slave_.remove(test::kStatusWord);
+  silent_ = true;
+  expect_refused(nmt_now(NmtCommand::stop), ErrorKind::forbidden);
+  EXPECT_TRUE(slave_.heard_on(0).empty());
+}
+
 TEST_F(CommandsTest, NmtStartIsAllowedAnyTime) {
   bring_online();
   run_motor();

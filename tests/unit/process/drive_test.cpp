@@ -269,6 +269,21 @@ TEST_F(DriveTest, BootErrorIsABootAlarm) {
   EXPECT_FALSE(drive_->status().online);
 }
 
+TEST_F(DriveTest, AnErrorThatKeepsItFromStartingIsTold) {
+  slave_.set({0x1001, 0}, canopen::DataType::u8, 0x01);
+  slave_.ignore_nmt(true);
+  fault_code_readable_ = false;
+  slave_.set(test::kFaultCode, canopen::DataType::u16, 4);
+  start();
+  slave_.boot_up();
+  run(2500ms);
+  EXPECT_FALSE(drive_->status().online);
+  EXPECT_TRUE(drive_->alarm(AlarmKind::boot).active);
+  EXPECT_NE(drive_->alarm(AlarmKind::boot).text.find("its error register 0x1001 is 0x01"), std::string::npos)
+      << drive_->alarm(AlarmKind::boot).text;
+  EXPECT_TRUE(drive_->alarm(AlarmKind::emcy).active);
+}
+
 TEST_F(DriveTest, LeavingOperationalByItselfIsABootAlarm) {
   bring_online();
   slave_.set_state(127);

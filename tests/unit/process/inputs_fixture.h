@@ -76,6 +76,7 @@ class InputsTest : public ::testing::Test, public Inputs::Listener {
   void on_values(SourceId source) override { values_.push_back(source); }
   void on_stale(SourceId source) override { stale_.push_back(source); }
   void on_problems() override { ++problems_told_; }
+  void on_remark(const std::string& text) override { remarks_.push_back(text); }
   void on_read_wanted() override { ++reads_wanted_; }
 
   config::Drive model_ = test::drive();
@@ -86,6 +87,7 @@ class InputsTest : public ::testing::Test, public Inputs::Listener {
   TimePoint now_{std::chrono::hours(1)};
   std::vector<SourceId> values_;
   std::vector<SourceId> stale_;
+  std::vector<std::string> remarks_;
   int problems_told_ = 0;
   int reads_wanted_ = 0;
 };

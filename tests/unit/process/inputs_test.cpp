@@ -147,16 +147,33 @@ TEST_F(InputsTest, TpdoThatNeverComesIsOverdueToo) {
   EXPECT_EQ(inputs_->problems().size(), 2U);
 }
 
-TEST_F(InputsTest, TpdoOfAnotherLengthIsToldUntilARightOneComes) {
+TEST_F(InputsTest, ShorterTpdoIsToldUntilARightOneComes) {
   go_live();
   for (int i = 0; i < 5; ++i) {
-    inputs_->on_tpdo_length(1, 6, 8);
+    inputs_->on_tpdo_length(1, 6, 4);
   }
-  EXPECT_EQ(inputs_->problems(), std::vector<std::string>{"TPDO1 has 8 bytes, expected 6, and is not decoded"});
+  EXPECT_EQ(inputs_->problems(), std::vector<std::string>{"TPDO1 has 4 bytes, expected 6, and is not decoded"});
   EXPECT_EQ(problems_told_, 1);
   EXPECT_FALSE(fresh("running"));
+  EXPECT_TRUE(remarks_.empty());
   tpdo1(1);
   EXPECT_TRUE(inputs_->problems().empty());
+}
+
+TEST_F(InputsTest, LongerTpdoIsRemarkedOnceAndItsValuesAreFresh) {
+  go_live();
+  for (int i = 0; i < 5; ++i) {
+    pass(100ms);
+    inputs_->on_tpdo_length(1, 6, 8);
+    tpdo1(1);
+    EXPECT_TRUE(fresh("running"));
+  }
+  inputs_->on_boot_up();
+  inputs_->on_tpdo_length(1, 6, 8);
+  EXPECT_EQ(remarks_, std::vector<std::string>{"TPDO1 has 8 bytes, expected 6; the first ones count"});
+  inputs_->on_tpdo_length(2, 2, 8);
+  EXPECT_EQ(remarks_.size(), 2U) << "one of each TPDO";
+  EXPECT_EQ(problems_told_, 0);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -211,6 +213,63 @@ TEST_P(Ac300Test, MotorThatFaultedDoesNotStartWithTheNextSetPoint) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, Ac300Test,
                          testing::Values(Kind{"veichi-ac300", 0x0004, "Overcurrent during acceleration"}));
+
+/// Another master has set the drive up for life guarding and went away: it runs, and nothing but its answers tells.
+class LifeGuardedTest : public ProfileTest {
+ protected:
+  void SetUp() override { master_->open(deaf_); }
+  void TearDown() override { master_->close(); }
+
+  void write(std::uint8_t command, std::uint16_t index, std::uint8_t sub, std::uint16_t value) {
+    const std::array<std::uint8_t, 8> bytes{command, low(index), high(index), sub, low(value), high(value), 0, 0};
+    static_cast<void>(master_->send(canopen::make_frame(0x605, bytes)));
+    loop_.advance(5ms);
+  }
+  void run_with_life_guarding() {
+    constexpr std::uint8_t kTwoBytes = 0x2B;
+    constexpr std::uint8_t kOneByte = 0x2F;
+    simulated_->power_on();
+    loop_.advance(100ms);
+    write(kTwoBytes, 0x100C, 0, 500);
+    write(kOneByte, 0x100D, 0, 3);
+    for (std::uint16_t tpdo = 0x1801; tpdo <= 0x1803; ++tpdo) {  // Only after RPDOs, so never.
+      write(kOneByte, tpdo, 2, 255);
+      write(kTwoBytes, tpdo, 5, 0);
+    }
+    static_cast<void>(master_->send(canopen::make_frame(0, std::array<std::uint8_t, 2>{1, 5})));
+    loop_.advance(5ms);
+    write(kTwoBytes, 0x2100, 3, 3000);
+    write(kTwoBytes, 0x2101, 0, 1);
+    loop_.advance(20s);
+  }
+  [[nodiscard]] bool runs() const { return simulated_->state() == simulator::NmtState::operational; }
+
+ private:
+  static std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word); }
+  static std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8U); }
+
+  struct Deaf final : canopen::LinkEvents {
+    void on_frames(std::span<const canopen::Received>) override {}
+    void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+    void on_bus_state(const canopen::BusState&) override {}
+    void on_frames_lost(std::uint32_t) override {}
+  };
+  Deaf deaf_;
+  std::unique_ptr<canopen::Link> master_ = wire_.connect();
+};
+
+TEST_P(LifeGuardedTest, FindingItDoesNotStartItsLifeGuarding) {
+  run_with_life_guarding();
+  ASSERT_TRUE(runs() && simulated_->motor().output_on()) << simulated_->describe();
+  start();
+  loop_.advance(30s);
+  EXPECT_TRUE(runs()) << simulated_->describe();
+  EXPECT_FALSE(emcy().active) << emcy().text;
+  EXPECT_TRUE(simulated_->motor().output_on()) << simulated_->describe();
+  EXPECT_EQ(drive_->status().boot_result, canopen::BootResult::left_alone) << drive_->status().boot_text;
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, LifeGuardedTest, testing::Values(Kind{"invt-goodrive600", 0, ""}));
 
 }  // namespace
 }  // namespace process

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace canopen {
+
+/// How the newest boot or takeover of a node went: none yet, well, or an error letter of CiA 302-2 (table of boot-up
+/// errors) with its ASCII code. The numbers are those of Modbus register 1002.
+enum class BootResult : std::uint8_t {
+  ok = 0,
+  no_answer = 'B',            ///< No SDO answer at all.
+  other_device_type = 'C',    ///< 0x1000.
+  other_vendor = 'D',         ///< 0x1018:01.
+  no_error_control = 'E',     ///< It runs, and sends neither heartbeat nor guarding answers.
+  not_configured = 'J',       ///< A setting could not be made, or it does not become operational, or left that state.
+  no_heartbeat = 'K',         ///< Configured, but its heartbeat does not start.
+  left_alone = 'L',           ///< Found operational, or perhaps so, and not as wanted: nothing is changed.
+  other_product = 'M',        ///< 0x1018:02.
+  other_revision = 'N',       ///< 0x1018:03.
+  other_serial_number = 'O',  ///< 0x1018:04.
+  not_booted = 255
+};
+
+/// Neither well nor unknown: an alarm.
+[[nodiscard]] constexpr bool is_letter(BootResult result) noexcept {
+  return result != BootResult::ok && result != BootResult::not_booted;
+}
+
+/// For people, as in "configuration failed"; empty where it is no letter.
+[[nodiscard]] std::string_view text_of(BootResult result) noexcept;
+
+}  // namespace canopen

@@ -1,0 +1,225 @@
+#include "canopen/node/configure.h"
+
+#include <array>
+#include <utility>
+
+#include "canopen/communication_objects.h"
+#include "canopen/node/motor_check.h"
+#include "canopen/node/pdo_setup.h"
+#include "canopen/node/setup_session.h"
+
+namespace canopen {
+namespace {
+
+using Failure = std::optional<BootFailure>;
+
+/// One configuration or inspection under way.
+struct Procedure {
+  SetupSession session;
+  TimePoint heartbeat_from;  ///< A heartbeat counts from then on: later where its time was written.
+  BootReport report{};
+};
+
+Raw milliseconds(Duration duration) noexcept {
+  return static_cast<Raw>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
+
+void note(BootReport& report, const BootFailure& failure) {
+  report.interrupted = failure.interrupted;
+  report.letter = failure.interrupted ? BootResult::ok : failure.letter;
+  report.text = failure.text;
+}
+
+struct IdentityItem {
+  BootResult letter = BootResult::other_device_type;
+  ObjectAddress object;
+  const char* name = "";
+  std::optional<std::uint32_t> wanted;
+};
+
+/// A node that cannot show what is expected of it is not the expected one.
+boost::asio::awaitable<Failure> check_identity(SetupSession& session, const ExpectedIdentity& expected) {
+  const std::array items{
+      IdentityItem{BootResult::other_device_type, kDeviceType, "device type", expected.device_type},
+      IdentityItem{BootResult::other_vendor, {0x1018, 1}, "vendor id", expected.vendor},
+      IdentityItem{BootResult::other_product, {0x1018, 2}, "product code", expected.product},
+      IdentityItem{BootResult::other_revision, {0x1018, 3}, "revision number", expected.revision},
+      IdentityItem{BootResult::other_serial_number, {0x1018, 4}, "serial number", expected.serial},
+  };
+  Failure failure;
+  for (const IdentityItem& item : items) {
+    if (!item.wanted) {
+      continue;
+    }
+    const Result<Raw> found = co_await session.read(item.object, DataType::u32);
+    if (found.has_error()) {
+      failure = session.failure(found.error(), item.name);
+      if (found.error().kind == ErrorKind::refused) {
+        failure->letter = item.letter;
+      }
+      co_return failure;
+    }
+    if (found.value() != *item.wanted) {
+      const SetupItem shown{item.object, DataType::u32, *item.wanted, item.name, SetupPolicy::verify};
+      failure = BootFailure{item.letter, difference_text(shown, found.value()), false};
+      co_return failure;
+    }
+  }
+  co_return failure;
+}
+
+boost::asio::awaitable<Failure> set_up(Procedure& procedure, SetupItem item) {
+  SetupOutcome outcome = co_await procedure.session.ensure(std::move(item));
+  if (!outcome.remark.empty()) {
+    procedure.report.remarks.push_back(std::move(outcome.remark));
+  }
+  co_return std::move(outcome.failure);
+}
+
+/// 0x1017, and 0x1016 where the drive is to watch over us.
+boost::asio::awaitable<Failure> set_up_error_control(Procedure& procedure) {
+  const NodeSettings& settings = procedure.session.context().settings;
+  const ErrorControlSettings& control = settings.error_control;
+  SetupItem producer{kProducerHeartbeat, DataType::u16,  milliseconds(control.heartbeat),
+                     "heartbeat time",   control.policy, milliseconds(control.heartbeat_timeout)};
+  const TimePoint begun = Clock::now();
+  const unsigned written = procedure.session.written();
+  Failure failure = co_await set_up(procedure, std::move(producer));
+  if (procedure.session.written() != written) {
+    procedure.heartbeat_from = begun;
+  }
+  if (failure || control.supervise_gateway <= Duration::zero() || settings.gateway_node == 0) {
+    co_return failure;
+  }
+  // CiA 301 §7.5.2.17: node id in bits 16..23, time in bits 0..15.
+  const Raw watched = (Raw{settings.gateway_node} << 16U) | milliseconds(control.supervise_gateway);
+  SetupItem consumer{kConsumerHeartbeat, DataType::u32, watched, "consumer heartbeat time", SetupPolicy::write};
+  co_return co_await set_up(procedure, std::move(consumer));
+}
+
+boost::asio::awaitable<Failure> set_up_pdos(Procedure& procedure, PdoRole role, const std::vector<PdoSettings>& pdos) {
+  for (const PdoSettings& pdo : pdos) {
+    PdoSetupOutcome outcome = co_await set_up_pdo(procedure.session, role, pdo);
+    if (outcome.failure) {
+      co_return std::move(outcome.failure);
+    }
+    const bool transmit = role == PdoRole::transmit;
+    if (transmit && outcome.timing_confirmed) {
+      procedure.report.verified_tpdos.push_back(pdo.number);
+    }
+    if (outcome.absent) {
+      procedure.report.remarks.push_back(
+          std::string(transmit ? "TPDO" : "RPDO") + std::to_string(pdo.number) +
+          ": the drive has no communication or mapping object; its documented default is assumed");
+    }
+  }
+  co_return std::nullopt;
+}
+
+boost::asio::awaitable<Failure> set_up_further(Procedure& procedure, const std::vector<ObjectValue>& setup) {
+  for (const ObjectValue& value : setup) {
+    SetupItem item{value.object, value.type, value.raw, "setting", SetupPolicy::write};
+    Failure failure = co_await set_up(procedure, std::move(item));
+    if (failure) {
+      co_return failure;
+    }
+  }
+  co_return std::nullopt;
+}
+
+boost::asio::awaitable<Failure> await_heartbeat(const Procedure& procedure) {
+  const LifeContext& context = procedure.session.context();
+  Failure failure;
+  const bool alive = co_await heartbeat_after(context, procedure.heartbeat_from);
+  if (context.life.over()) {
+    failure = BootFailure{.interrupted = true};
+  } else if (!alive) {
+    const ErrorControlSettings& control = context.settings.error_control;
+    failure =
+        BootFailure{BootResult::no_heartbeat,
+                    "no heartbeat within " + std::to_string(milliseconds(control.heartbeat_timeout)) +
+                        " ms, although 0x1017:00 should be " + std::to_string(milliseconds(control.heartbeat)) + " ms"};
+  }
+  co_return failure;
+}
+
+/// Before the first write to a node of unknown state: error control that will tell it, or a motor that stands.
+boost::asio::awaitable<Failure> learn_before_writing(Procedure& procedure) {
+  const LifeContext& context = procedure.session.context();
+  const bool guarding_off = co_await guarding_is_off(context);
+  Failure failure;
+  if (guarding_off && expects_heartbeat(context.settings) &&
+      context.settings.error_control.policy == SetupPolicy::write) {
+    failure = co_await set_up_error_control(procedure);
+    if (!failure) {
+      failure = co_await await_heartbeat(procedure);
+    }
+    co_return failure;
+  }
+  const std::optional<bool> running = co_await read_running(context.sdo, context.settings.motor);
+  if (context.life.over()) {
+    failure = BootFailure{.interrupted = true};
+  } else if (running != false) {
+    failure =
+        BootFailure{BootResult::left_alone, std::string("nothing tells whether it is operational, and ") +
+                                                (running ? "its motor runs" : "whether its motor runs cannot be read") +
+                                                "; it is left as it is until its boot-up"};
+  }
+  co_return failure;
+}
+
+/// Identity, error control, PDOs, further settings, in the session's purpose.
+boost::asio::awaitable<Failure> go_through(Procedure& procedure) {
+  const NodeSettings& settings = procedure.session.context().settings;
+  Failure failure = co_await check_identity(procedure.session, settings.identity);
+  if (!failure) {
+    failure = co_await set_up_error_control(procedure);
+  }
+  if (!failure) {
+    failure = co_await set_up_pdos(procedure, PdoRole::transmit, settings.tpdos);
+  }
+  if (!failure) {
+    failure = co_await set_up_pdos(procedure, PdoRole::receive, settings.rpdos);
+  }
+  if (!failure) {
+    failure = co_await set_up_further(procedure, settings.setup);
+  }
+  co_return failure;
+}
+
+}  // namespace
+
+bool expects_heartbeat(const NodeSettings& settings) noexcept {
+  return settings.error_control.heartbeat > Duration::zero() &&
+         settings.error_control.heartbeat_timeout > Duration::zero();
+}
+
+boost::asio::awaitable<BootReport> inspect(LifeContext context) {
+  Procedure procedure{{context, SetupPurpose::inspect}, {}};
+  const Failure failure = co_await go_through(procedure);
+  if (failure) {
+    note(procedure.report, *failure);
+  }
+  co_return std::move(procedure.report);
+}
+
+boost::asio::awaitable<BootReport> configure(LifeContext context, FoundState found) {
+  Procedure procedure{{context, SetupPurpose::configure},
+                      Clock::now() - context.settings.error_control.heartbeat_timeout};
+  Failure failure;
+  if (found == FoundState::unknown) {
+    failure = co_await learn_before_writing(procedure);
+  }
+  if (!failure) {
+    failure = co_await go_through(procedure);
+  }
+  if (!failure && expects_heartbeat(context.settings)) {
+    failure = co_await await_heartbeat(procedure);
+  }
+  if (failure) {
+    note(procedure.report, *failure);
+  }
+  co_return std::move(procedure.report);
+}
+
+}  // namespace canopen

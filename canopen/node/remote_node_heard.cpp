@@ -1,0 +1,238 @@
+// What a node is heard to say: error control, TPDOs, emergencies; and what its bus tells. Handlers run inside the
+// dispatch of a frame and never wait: they record, and end the life where it cannot go on.
+
+#include <array>
+#include <span>
+
+#include "canopen/bus/bus.h"
+#include "canopen/node/emcy.h"
+#include "canopen/node/remote_node.h"
+
+namespace canopen {
+namespace {
+
+// CiA 301 table 74 and 75.
+constexpr std::uint32_t kNmt = 0x000;
+constexpr std::uint32_t kEmcyBase = 0x080;
+constexpr std::uint32_t kErrorControlBase = 0x700;
+
+}  // namespace
+
+void RemoteNode::subscribe() {
+  const std::uint32_t node = settings_.node;
+  subscriptions_.push_back(
+      bus_.subscribe(kErrorControlBase + node, [this](const Received& received) { on_error_control(received); }));
+  subscriptions_.push_back(bus_.subscribe(kEmcyBase + node, [this](const Received& received) { on_emcy(received); }));
+  subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_foreign_nmt(received); }));
+  for (std::size_t i = 0; i < tpdos_.size(); ++i) {
+    subscriptions_.push_back(bus_.subscribe(settings_.tpdos[i].cob_id,
+                                            [this, i](const Received& received) { on_tpdo(tpdos_[i], received); }));
+  }
+  subscriptions_.push_back(bus_.subscribe_state([this](const BusState& state) { on_bus_state(state); }));
+  subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) {
+    watch_.frames_lost(Clock::now());
+    events_.on_frames_lost();
+  }));
+}
+
+void RemoteNode::on_error_control(const Received& received) {
+  const std::optional<HeartbeatMessage> message = decode_heartbeat(received.frame.bytes());
+  if (!message) {
+    return;
+  }
+  if (message->boot_up) {
+    on_boot_up(received.at);
+  } else if (heard_.guarding_asked) {
+    on_guarding_answer(message->state, received.at);
+  } else {
+    on_heartbeat(message->state, received.at);
+  }
+}
+
+void RemoteNode::on_boot_up(TimePoint at) {
+  heard_ = Heard{.boot_up = true};
+  expectation_.begin_anew();
+  restart_.begin_anew();
+  hold_reason_.clear();
+  half_done_.clear();
+  self_start_due_ = true;
+  watch_.suspend();
+  end_life(LifeEnd::boot_up);
+  change_status([at](NodeStatus& status) {
+    note_not_booted(status);
+    status.nmt = NmtState::initialising;
+    status.last_heartbeat = at;
+    status.lost = false;
+    ++status.boot_ups;
+  });
+  events_.on_boot_up();
+}
+
+void RemoteNode::on_heartbeat(NmtState state, TimePoint at) {
+  status_.last_heartbeat = at;
+  const bool had_left = expectation_.left_by_itself();
+  const StateMeaning meaning = expectation_.hear(state, at);
+  if (meaning == StateMeaning::from_before) {
+    return;
+  }
+  heard_.heartbeat_at = at;
+  heard_.by_guarding = false;
+  watch_.alive(at);
+  if (status_.lost) {
+    change_status([](NodeStatus& status) { status.lost = false; });
+    if (stage_ != Stage::configuring && stage_ != Stage::starting) {
+      watch_.watch(at);
+    }
+  }
+  take_state(state, meaning, had_left);
+}
+
+void RemoteNode::on_guarding_answer(NmtState state, TimePoint at) {
+  heard_.guarding_asked = false;
+  heard_.by_guarding = true;
+  status_.last_heartbeat = at;
+  const bool had_left = expectation_.left_by_itself();
+  take_state(state, expectation_.hear(state, at), had_left);
+}
+
+void RemoteNode::take_state(NmtState state, StateMeaning meaning, bool had_left) {
+  const bool operational = state == NmtState::operational;
+  const bool left_operational = status_.nmt == NmtState::operational && !operational && state != NmtState::unknown;
+  if (state != NmtState::unknown) {
+    heard_.state = state;
+    heard_.boot_up = heard_.boot_up && !operational;
+  }
+  if (meaning == StateMeaning::left && !half_done_.empty()) {
+    expectation_.release();  // Somebody had started it while it was being configured; that goes on now.
+    meaning = StateMeaning::usual;
+  }
+  if (stage_ == Stage::starting && operational) {
+    go_online(Arrival::booted);
+    return;
+  }
+  if (meaning == StateMeaning::left) {
+    hold_reason_.clear();
+    restart_.leave(Clock::now());
+  }
+  if (state != NmtState::unknown) {
+    tell_state(state, meaning);
+  }
+  if (stage_ == Stage::serving) {
+    take_state_in_service(meaning, had_left, left_operational);
+  } else if (stage_ == Stage::silent) {
+    end_life(LifeEnd::heard);
+  } else if (meaning == StateMeaning::started && stage_ != Stage::searching) {
+    end_life(LifeEnd::started);  // Nothing more is written to it; it is looked at as it runs.
+  } else if (left_operational && (stage_ == Stage::inspecting || stage_ == Stage::waiting)) {
+    end_life(LifeEnd::left);
+  }
+  changed_.notify();
+}
+
+void RemoteNode::take_state_in_service(StateMeaning meaning, bool had_left, bool left_operational) {
+  if (meaning == StateMeaning::started && had_left) {
+    // Somebody else started it. It may have rebooted unseen when it left, so its settings are looked at again.
+    note_out_of_service();
+    end_life(LifeEnd::started);
+  } else if (left_operational) {
+    withdraw_commands();
+  }
+}
+
+void RemoteNode::tell_state(NmtState state, StateMeaning meaning) {
+  change_status([&](NodeStatus& status) {
+    status.nmt = state;
+    if (meaning == StateMeaning::left) {
+      status.configured = status.configured && stage_ == Stage::serving;
+      note_left_by_itself(status);
+    }
+  });
+}
+
+void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
+  if (expectation_.from_before(received.at)) {
+    return;
+  }
+  heard_.tpdo = true;
+  if (stage_ == Stage::silent) {
+    end_life(LifeEnd::heard);
+  } else if (stage_ == Stage::starting) {
+    heard_.state = NmtState::operational;  // Whoever sends TPDOs is operational (CiA 301 table 37).
+    go_online(Arrival::booted);
+  } else if (stage_ == Stage::configuring && !expects_heartbeat(settings_) && !heard_.heartbeat_at) {
+    // Somebody started it; no error control will tell.
+    take_state(NmtState::operational, expectation_.hear(NmtState::operational, received.at), false);
+  } else if (stage_ == Stage::searching) {
+    changed_.notify();
+  }
+  if (stage_ != Stage::serving) {
+    if (!heard_.heartbeat_at) {
+      watch_.alive(received.at);  // All there is of a node without heartbeat that waits for another try.
+    }
+    return;
+  }
+  if (received.frame.size != tpdo.plan.byte_count()) {
+    events_.on_tpdo_length(tpdo.number, tpdo.plan.byte_count(), received.frame.size);
+  }
+  std::array<Raw, kMaxPdoFields> values{};
+  if (tpdo.plan.decode(received.frame.bytes(), values)) {
+    events_.on_tpdo(tpdo.number, std::span<const Raw>(values).first(tpdo.plan.field_count()), received.at,
+                    received.wall);
+  }
+}
+
+void RemoteNode::on_emcy(const Received& received) {
+  if (const std::optional<Emcy> emcy = decode_emcy(settings_.emcy, received.frame.bytes())) {
+    change_status([](NodeStatus& status) { ++status.emergencies; });
+    events_.on_emcy(*emcy, received.at, received.wall);
+  }
+}
+
+// Our own commands come back as echoes, which are never dispatched.
+void RemoteNode::on_foreign_nmt(const Received& received) {
+  const std::span<const std::uint8_t> bytes = received.frame.bytes();
+  if (bytes.size() >= 2 && (bytes[1] == 0 || bytes[1] == settings_.node)) {
+    restart_.hear_foreign_nmt();
+    if (expectation_.left_by_itself()) {
+      change_status([this](NodeStatus& status) { note_left_by_itself(status); });
+    }
+  }
+}
+
+void RemoteNode::on_silence() {
+  const bool was_heard = heard_.heartbeat_at.has_value();
+  expectation_.begin_anew();  // It may have rebooted unseen.
+  restart_.end();
+  if (stage_ != Stage::searching) {
+    // A search goes on: it asks the node at its end.
+    heard_ = Heard{};
+    end_life(LifeEnd::lost);
+  }
+  change_status([was_heard](NodeStatus& status) {
+    status.online = false;
+    status.configured = false;
+    status.nmt = NmtState::unknown;
+    status.lost = true;
+    if (was_heard) {
+      ++status.heartbeat_losses;
+    }
+    // A letter stays until the drive is found silent: it may well answer, only without a heartbeat.
+    if (status.boot_result == BootResult::ok) {
+      status.boot_result = BootResult::not_booted;
+    }
+  });
+}
+
+void RemoteNode::on_bus_state(const BusState& state) {
+  if (!state.up()) {
+    heard_ = Heard{};
+    end_life(LifeEnd::bus_down);
+    change_status([](NodeStatus& status) {
+      note_not_booted(status);
+      status.nmt = NmtState::unknown;
+    });
+  }
+  changed_.notify();
+}
+
+}  // namespace canopen

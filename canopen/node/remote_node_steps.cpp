@@ -1,0 +1,185 @@
+// The steps that the life of a node is made of, and what belongs to a stage of it.
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "canopen/bus/bus.h"
+#include "canopen/communication_objects.h"
+#include "canopen/hex.h"
+#include "canopen/node/motor_check.h"
+#include "canopen/node/remote_node.h"
+
+namespace canopen {
+
+bool RemoteNode::to_be_held(FoundState found) const {
+  if (found == FoundState::stopped) {
+    return start_requests_.empty();  // Somebody stopped it; nothing of it is known to have begun anew.
+  }
+  return found != FoundState::operational && expectation_.left_by_itself();
+}
+
+void RemoteNode::enter(Stage stage) {
+  stage_ = stage;
+  const TimePoint now = Clock::now();
+  switch (stage) {
+    case Stage::searching:
+      break;
+    case Stage::silent:
+    case Stage::configuring:  // Its heartbeat may only be switched on in the course of it.
+    case Stage::starting:
+      watch_.suspend();
+      break;
+    case Stage::inspecting:
+    case Stage::waiting:
+      if (heard_.by_guarding) {
+        watch_.suspend();  // Nothing comes unasked; it is asked again.
+      } else if (stage == Stage::waiting || !watch_.watching()) {
+        watch_.watch(now);
+      }
+      break;
+    case Stage::held:
+      if (heartbeat_is_fresh() && !watch_.watching()) {
+        watch_.watch(now);
+      }
+      break;
+    case Stage::serving:
+      watch_.watch(now);
+      break;
+  }
+}
+
+void RemoteNode::end_life(LifeEnd end) {
+  if (life_ != nullptr) {
+    life_->end(end);
+  }
+  stage_ = Stage::searching;
+  verified_tpdos_.clear();
+  sdo_.interrupt();
+  outputs_.cease();
+  withdraw_nmt(false);
+  changed_.notify();
+}
+
+bool RemoteNode::heartbeat_is_fresh() const {
+  return heard_.heartbeat_at && Clock::now() - *heard_.heartbeat_at <= settings_.error_control.heartbeat_timeout;
+}
+
+void RemoteNode::accept(const BootReport& report) {
+  verified_tpdos_ = report.verified_tpdos;
+  for (const std::string& remark : report.remarks) {
+    events_.on_remark(remark);
+  }
+  half_done_.clear();
+  heard_.boot_up = false;
+  self_start_due_ = false;
+  change_status([](NodeStatus& status) { status.configured = true; });
+}
+
+void RemoteNode::go_online(Arrival arrival) {
+  enter(Stage::serving);
+  restart_.come_online(Clock::now());
+  change_status([this](NodeStatus& status) {
+    status.online = true;
+    status.configured = true;
+    status.lost = false;
+    status.nmt = heard_.state.value_or(status.nmt);
+    status.boot_result = BootResult::ok;
+    status.boot_text.clear();
+  });
+  events_.on_arrival(arrival);
+  changed_.notify();
+}
+
+/// False where the command could not leave, or the life is over.
+boost::asio::awaitable<bool> RemoteNode::make_pre_operational() {
+  const TimePoint deadline = Clock::now() + kNmtTime;
+  const NmtExpectation before = expectation_;
+  expectation_.give_for_configuration(deadline);
+  const Result<void> left = co_await transmit_nmt(NmtCommand::pre_operational, deadline, true);
+  if (left.has_error()) {
+    expectation_ = before;
+    co_return false;
+  }
+  expectation_.give_for_configuration(Clock::now());
+  heard_.state.reset();
+  co_return true;
+}
+
+boost::asio::awaitable<bool> RemoteNode::started_itself(const LifeContext& context) {
+  if (!settings_.self_starting || !self_start_due_ || context.life.over()) {
+    co_return false;
+  }
+  self_start_due_ = false;
+  const std::optional<bool> running = co_await motor_runs();
+  co_return running == false && !context.life.over();
+}
+
+/// What the node says of its errors, where it says something.
+boost::asio::awaitable<std::string> RemoteNode::error_text(const LifeContext& context) {
+  const Result<Raw> reg = co_await sdo_.read(kErrorRegister, DataType::u8);
+  if (context.life.over() || reg.has_error() || reg.value() == 0) {
+    co_return std::string();
+  }
+  const Result<Raw> newest = co_await sdo_.read(kNewestError, DataType::u32);
+  std::string text = "; its error register 0x1001 is 0x" + hex(reg.value(), 2);
+  if (newest.has_value() && newest.value() != 0) {
+    text += ", its newest error 0x1003:01 0x" + hex(newest.value(), 8);
+  }
+  co_return text;
+}
+
+boost::asio::awaitable<void> RemoteNode::restart_if_due(Life& life) {
+  if (life.over() || Clock::now() < restart_.at()) {
+    co_return;
+  }
+  std::string reason = co_await why_not_to_start(sdo_, settings_.motor);
+  if (life.over()) {
+    co_return;
+  }
+  if (!expectation_.left_by_itself()) {
+    restart_.end();
+    co_return;
+  }
+  hold_reason_ = std::move(reason);
+  if (!hold_reason_.empty()) {
+    restart_.put_off(Clock::now());
+    change_status([this](NodeStatus& status) { note_left_by_itself(status); });
+    co_return;
+  }
+  expectation_.release();
+  note_out_of_service();
+  end_life(LifeEnd::restart);
+}
+
+void RemoteNode::note_left_by_itself(NodeStatus& status) const {
+  status.boot_result = BootResult::not_configured;
+  status.boot_text = "the drive left operational by itself and is " + std::string(name_of(status.nmt)) + "; ";
+  if (!hold_reason_.empty()) {
+    status.boot_text += "it is not started again yet: " + hold_reason_;
+  } else if (restart_.at() != kNever) {
+    status.boot_text += "it is about to be configured and started again";
+  } else {
+    status.boot_text += "it is not started again before an NMT start command or its boot-up";
+  }
+  if (settings_.restart && restart_.foreign_nmt()) {
+    status.boot_text += ", for another master sends NMT commands";
+  }
+}
+
+/// What is told of it is not from a node in service any more.
+void RemoteNode::note_out_of_service() {
+  change_status([](NodeStatus& status) {
+    status.online = false;
+    status.configured = false;
+  });
+}
+
+void RemoteNode::note_not_booted(NodeStatus& status) {
+  status.online = false;
+  status.configured = false;
+  status.boot_result = BootResult::not_booted;
+  status.boot_text.clear();
+}
+
+}  // namespace canopen
