@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,15 @@ struct SimulatedDrive {
   std::uint8_t node = 0;
 };
 
-/// `simulate`: drives on `interface`, or all drives of the configuration where `interface` is empty. Takes orders to
-/// misbehave from standard input.
-[[nodiscard]] int simulate(const Options& options, const std::string& interface,
-                           const std::vector<SimulatedDrive>& drives);
+/// What `simulate` was asked for.
+struct Simulation {
+  std::string interface;               ///< Empty: all drives of the configuration, on the interfaces of their buses.
+  std::vector<SimulatedDrive> drives;  ///< On `interface`.
+  std::optional<std::uint16_t> tpdo_event_ms;  ///< Event timer of all TPDOs at power-on; nothing: as each kind has it.
+};
+
+/// `simulate`: takes orders to misbehave from standard input.
+[[nodiscard]] int simulate(const Options& options, const Simulation& simulation);
 
 /// `demo`: simulated drives and the gateway on one in-process bus.
 [[nodiscard]] int demo(const Options& options);

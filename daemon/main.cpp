@@ -2,12 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <exception>
 #include <iostream>
 #include <optional>
 #include <sstream>
 
+#include "canopen/clock.h"
+#include "config/text.h"
 #include "daemon/commands.h"
 #include "daemon/descriptors.h"
 #include "daemon/output.h"
@@ -32,11 +35,26 @@ std::string check_drive(const std::string& text) {
   return parse_drive(text) ? std::string{} : "\"" + text + "\" is not PROFILE:NODE with a node of 1..127";
 }
 
+// In milliseconds, as an event timer holds it (CiA 301, 0x1800:05).
+std::optional<std::uint16_t> parse_event_timer(const std::string& text) {
+  const std::optional<canopen::Duration> time = config::parse_duration(text);
+  if (!time || !config::whole_milliseconds(*time) || *time < canopen::Duration::zero() ||
+      *time > std::chrono::milliseconds(0xFFFF)) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint16_t>(*time / std::chrono::milliseconds(1));
+}
+
+std::string check_event_timer(const std::string& text) {
+  return parse_event_timer(text) ? std::string{} : "\"" + text + "\" is no time of whole milliseconds, 0s..65535ms";
+}
+
 struct CommandLine {
   gateway::Options options;
   std::string map_format = "table";
   std::string interface;
   std::vector<std::string> drives;
+  std::string tpdo;
 };
 
 // Exits as the commands do; the value of the option tells whether --config was given.
@@ -63,6 +81,8 @@ void describe(CLI::App& app, CommandLine& line) {
   drives->check(CLI::Validator(check_drive, "PROFILE:NODE"));
   drives->needs(interface);
   interface->needs(drives);
+  simulate->add_option("--tpdo", line.tpdo, "Event timer of the drives' TPDOs at power-up")
+      ->check(CLI::Validator(check_event_timer, "DURATION"));
   app.add_subcommand("demo", "Simulated drives of the four systems and the gateway, without CAN hardware");
 }
 
@@ -79,11 +99,11 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
   if (app.got_subcommand("demo")) {
     return gateway::demo(line.options);
   }
-  std::vector<gateway::SimulatedDrive> drives;
+  gateway::Simulation simulation{line.interface, {}, parse_event_timer(line.tpdo)};
   for (const std::string& text : line.drives) {
-    drives.push_back(parse_drive(text).value());
+    simulation.drives.push_back(parse_drive(text).value());
   }
-  return gateway::simulate(line.options, line.interface, drives);
+  return gateway::simulate(line.options, simulation);
 }
 
 // Of --help and --version, and of what was wrong with the command line.

@@ -45,15 +45,17 @@ void add_drives(SimulatedSite& site, const config::Model& model, const boost::as
 
 }  // namespace
 
-int simulate(const Options& options, const std::string& interface, const std::vector<SimulatedDrive>& drives) {
+int simulate(const Options& options, const Simulation& simulation) {
   boost::asio::io_context loop(1);
   StopSignal stop(loop.get_executor());
   LiveOutput output(STDOUT_FILENO, [&stop] { stop.stop(); });
-  SimulatedSite site(loop.get_executor(), [&output](std::string_view text) { output.write(text); });
-  const bool by_configuration = interface.empty();
+  simulator::DriveOptions commissioning;
+  commissioning.tpdo_event_ms = simulation.tpdo_event_ms;
+  SimulatedSite site(loop.get_executor(), [&output](std::string_view text) { output.write(text); }, commissioning);
+  const bool by_configuration = simulation.interface.empty();
   try {
     if (!by_configuration) {
-      add_drives(site, interface, drives, loop.get_executor());
+      add_drives(site, simulation.interface, simulation.drives, loop.get_executor());
     } else if (const std::optional<config::Model> model = load_or_complain(options, Secrets::leave)) {
       add_drives(site, *model, loop.get_executor());
     } else {

@@ -4,8 +4,11 @@
 
 namespace gateway {
 
-SimulatedSite::SimulatedSite(const boost::asio::any_io_executor& executor, Answers answers)
-    : executor_(executor), reader_(executor, [this, answers = std::move(answers)](std::string_view line) {
+SimulatedSite::SimulatedSite(const boost::asio::any_io_executor& executor, Answers answers,
+                             const simulator::DriveOptions& commissioning)
+    : executor_(executor),
+      commissioning_(commissioning),
+      reader_(executor, [this, answers = std::move(answers)](std::string_view line) {
         if (const std::string answer = console_.execute(line); !answer.empty()) {
           answers(answer + "\n");
         }
@@ -17,7 +20,7 @@ std::size_t SimulatedSite::add_network(std::unique_ptr<canopen::Link> link) {
 }
 
 void SimulatedSite::add_drive(std::size_t network, std::string_view kind, std::uint8_t node) {
-  std::unique_ptr<simulator::Drive> drive = simulator::make_drive(kind, node, *networks_.at(network));
+  std::unique_ptr<simulator::Drive> drive = simulator::make_drive(kind, node, *networks_.at(network), commissioning_);
   if (!drive) {
     throw NotSimulated(simulator::why_no_drive(kind, node));
   }

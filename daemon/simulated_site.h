@@ -14,6 +14,7 @@
 #include "simulator/console.h"
 #include "simulator/drive.h"
 #include "simulator/network.h"
+#include "simulator/options.h"
 
 namespace gateway {
 
@@ -29,7 +30,10 @@ class SimulatedSite {
   /// Takes the lines that answer what came on standard input.
   using Answers = std::function<void(std::string_view text)>;
 
-  explicit SimulatedSite(const boost::asio::any_io_executor& executor, Answers answers = [](std::string_view) {});
+  /// `commissioning` is that of all its drives.
+  explicit SimulatedSite(
+      const boost::asio::any_io_executor& executor, Answers answers = [](std::string_view) {},
+      const simulator::DriveOptions& commissioning = {});
 
   /// A bus for drives to be added to; its position.
   std::size_t add_network(std::unique_ptr<canopen::Link> link);
@@ -47,6 +51,7 @@ class SimulatedSite {
 
  private:
   boost::asio::any_io_executor executor_;
+  simulator::DriveOptions commissioning_;
   std::vector<std::unique_ptr<simulator::Network>> networks_;
   std::vector<std::unique_ptr<simulator::Drive>> drives_;
   simulator::Console console_;

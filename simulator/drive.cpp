@@ -4,6 +4,22 @@
 #include <utility>
 
 namespace simulator {
+namespace {
+
+/// A TPDO that knows no event timer, or not with its type, stays as it is.
+PdoRules commissioned(PdoRules rules, const DriveOptions& options) {
+  if (options.tpdo_event_ms) {
+    for (std::size_t i = 0; i < rules.transmit.size(); ++i) {
+      PdoDefaults& tpdo = rules.transmit[i];
+      if (rules.triggers(static_cast<std::uint8_t>(i + 1), tpdo.type, *options.tpdo_event_ms)) {
+        tpdo.event = *options.tpdo_event_ms;
+      }
+    }
+  }
+  return rules;
+}
+
+}  // namespace
 
 Drive::Drive(std::unique_ptr<Model> model, std::uint8_t node, Network& network, const DriveOptions& options)
     : model_(std::move(model)),
@@ -105,11 +121,10 @@ void Drive::restart() {
 }
 
 void Drive::boot() {
-  const Traits& traits = model_->traits();
   motor_.switch_off();
   emergency_.forget_errors();
   dictionary_.clear();
-  pdos_.start(traits.pdo);
+  pdos_.start(commissioned(model_->traits().pdo, options_));
   restore_communication_settings();
   define_communication_objects();
   define_trouble_object();

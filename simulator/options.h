@@ -15,7 +15,9 @@ struct DriveOptions {
   MotorRating motor;
   canopen::Duration boot_time{};              ///< From power-on to the boot-up frame.
   std::optional<std::uint16_t> heartbeat_ms;  ///< 0x1017 at power-on; without a value 0, off.
-  bool veichi_pdo_objects = false;            ///< 0x1400..0x1A07 can be read and written.
+  std::optional<std::uint16_t>
+      tpdo_event_ms;                ///< Event timer of its TPDOs at power-on; without a value the kind's own.
+  bool veichi_pdo_objects = false;  ///< 0x1400..0x1A07 can be read and written.
   /// Veichi: command and set-point come from the bus (AC300 F00.02 = 2, F00.03 = 6; AC310 F01.01 = 3, F01.02 = 10).
   bool veichi_bus_control = true;
   /// Goodrive600 P15.02..P15.12: the meaning of settings 1..11; 0 invalid, 1 set frequency, ...

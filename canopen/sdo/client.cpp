@@ -92,8 +92,9 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
     co_return addressed(*place.called_off(), object);
   }
   if (still_stands && !still_stands()) {
-    Error changed{.kind = ErrorKind::incomplete, .detail = "not begun: what it was made from has changed"};
-    co_return addressed(std::move(changed), object);
+    Error changed = addressed({.kind = ErrorKind::incomplete}, object);
+    changed.detail = "not begun: what it was made from has changed";
+    co_return changed;
   }
   abort_.reset();  // Of a transfer before it: behind the command it could end that one.
   SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());

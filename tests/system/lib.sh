@@ -7,6 +7,8 @@ work=$(mktemp -d /tmp/gateway-system.XXXXXX)
 broker_port=1883
 modbus_port=1502
 topics=canopen/line3
+interface=vcan0  # of the drives
+traced=vcan0     # or `any`
 declare -A started=()
 checks=0
 
@@ -56,6 +58,12 @@ expect() {
   checks=$((checks + 1))
 }
 
+# expect_at_most WHAT LIMIT ACTUAL: whole numbers; an actual 0 would mean that nothing was measured
+expect_at_most() {
+  [ "$3" -gt 0 ] && [ "$3" -le "$2" ] && checks=$((checks + 1)) && return
+  fail "$1: expected 1 to $2, got '$3'"
+}
+
 # expect_match WHAT PATTERN ACTUAL: an extended regular expression
 expect_match() {
   grep -Eq -- "$2" <<<"$3" || fail "$1: expected to match '$2', got '$3'"
@@ -75,7 +83,7 @@ start_witness() {
 
 # The frames on the bus, with the kernel's time, in candump's log format.
 start_trace() {
-  launch candump candump -L vcan0
+  launch candump candump -L "$traced"
   catch_up
 }
 
@@ -119,11 +127,55 @@ expect_no_frames() { expect_frames "$1" 0 "$2"; }
 commands_to() { printf ' [2-5]0[%s]#| 60[%s]#[0-3CD]' "$1" "$1"; }
 nmt=' 000#'
 
+# The time and what of the frames whose lines match, from the trace's own stamps, which are the kernel's.
+# longest_gap PATTERN: the longest time in ms between two of them, 0 without any
+longest_gap() {
+  grep -E -- "$1" "$work/candump.out" | awk '{t = substr($1, 2) + 0}
+    NR > 1 && t - last > gap {gap = t - last} {last = t} END {printf "%.0f\n", gap * 1000}'
+}
+
+# power_up NODES: how many of the nodes 1 to NODES are operational, which each shows by its first TPDO1 (CiA 301, 7.3.2.2:
+# no PDO before), and how many ms after the first boot-up of any of them the last one was.
+power_up() {
+  awk -v nodes="$1" 'BEGIN {for (n = 1; n <= nodes; n++) {boot_up[sprintf("%03X#00", 1792 + n)]; tpdo[sprintf("%03X", 384 + n)]}}
+    {t = substr($1, 2) + 0}
+    ($3 in boot_up) && !begun {begun = t}
+    {id = substr($3, 1, 3)}
+    begun && (id in tpdo) {delete tpdo[id]; operational++; last = t}
+    END {printf "%d %.0f\n", operational, (last - begun) * 1000}' "$work/candump.out"
+}
+
+# The most frames of one second of the clock
+busiest_second() {
+  awk '{frames[substr($1, 2, 10)]++} END {for (s in frames) if (frames[s] > most) most = frames[s]; print most}' \
+    "$work/candump.out"
+}
+
+# The site of NODES drives on vcan0, each with the lines of standard input: many_drives NODES BUS-LINE… <LINES
+many_drives() {
+  local nodes=$1 node lines
+  shift
+  lines=$(cat)
+  printf '[gateway]\nname = "line3"\n[modbus]\nlisten = ["127.0.0.1:%s"]\n[[bus]]\nname = "can0"\ninterface = "vcan0"\n' \
+    "$modbus_port"
+  printf '%s\n' "$@"
+  for node in $(seq "$nodes"); do
+    printf '[[drive]]\nname = "fan%s"\nnode = %s\n%s\n' "$node" "$node" "$lines"
+  done
+}
+
+# What the gateway's log says, from drives being online on, of losses and alarms. lost PATTERN: but of the drives whose
+# names match.
+lost() {
+  grep -Ev -- " ($1): " "$work/gateway.err" |
+    awk '/: online/ {online[$3]} ($3 in online) && (/: offline/ || / active/) || / alarm boot active/'
+}
+
 # Simulated drives with a console: order NODE VERB … makes one misbehave.
 start_drives() {
   [ -p "$work/orders" ] || mkfifo "$work/orders"
   exec 7<>"$work/orders"
-  "$gateway_bin" simulate --interface vcan0 "$@" <"$work/orders" >"$work/simulate.out" 2>"$work/simulate.err" &
+  "$gateway_bin" simulate --interface "$interface" "$@" <"$work/orders" >"$work/simulate.out" 2>"$work/simulate.err" &
   started[simulate]=$!
   wait_until 10 "the simulator answers" grep -q simulated "$work/simulate.out"
 }

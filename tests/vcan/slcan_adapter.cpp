@@ -24,7 +24,7 @@ void require(bool fulfilled, const char* what) {
 
 }  // namespace
 
-SlcanAdapter::SlcanAdapter() {
+SlcanTerminal::SlcanTerminal() {
   require(::openpty(&device_, &terminal_, nullptr, nullptr, nullptr) == 0, "openpty");
   termios raw{};
   require(::tcgetattr(terminal_, &raw) == 0, "tcgetattr");
@@ -34,19 +34,23 @@ SlcanAdapter::SlcanAdapter() {
   ifreq request{};
   require(::ioctl(terminal_, SIOCGIFNAME, &request) == 0, "name of the slcan interface");
   interface_ = static_cast<const char*>(request.ifr_name);
-  listener_ = std::jthread([this](const std::stop_token& stop) { listen(stop); });
 }
 
-SlcanAdapter::~SlcanAdapter() {
-  listener_.request_stop();
-  listener_.join();
+SlcanTerminal::~SlcanTerminal() {
   ::close(terminal_);
   ::close(device_);
 }
 
-void SlcanAdapter::say(const std::string& line) {
+void SlcanTerminal::say(const std::string& line) const {
   const std::string text = line + '\r';
   require(::write(device_, text.data(), text.size()) == static_cast<ssize_t>(text.size()), "write to slcan");
+}
+
+SlcanAdapter::SlcanAdapter() : listener_([this](const std::stop_token& stop) { listen(stop); }) {}
+
+SlcanAdapter::~SlcanAdapter() {
+  listener_.request_stop();
+  listener_.join();
 }
 
 std::string SlcanAdapter::heard() {
@@ -58,11 +62,11 @@ void SlcanAdapter::listen(const std::stop_token& stop) {
   constexpr int kLookForStop = 20;  // ms
   std::array<char, 256> buffer{};
   while (!stop.stop_requested()) {
-    pollfd readable{device_, POLLIN, 0};
+    pollfd readable{terminal_.device(), POLLIN, 0};
     if (::poll(&readable, 1, kLookForStop) <= 0) {
       continue;
     }
-    const ssize_t size = ::read(device_, buffer.data(), buffer.size());
+    const ssize_t size = ::read(terminal_.device(), buffer.data(), buffer.size());
     if (size <= 0) {
       return;
     }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tests/vcan/link_fixture.h"
@@ -75,6 +76,24 @@ TEST_F(SocketCanLinkTest, EchoesKeepTheirPlaceAmongTheOthers) {
   events.when_received = [&] { received_at_echo.push_back(events.echoes.size()); };
   ASSERT_TRUE(run_until([&] { return events.received.size() == 2; }));
   EXPECT_EQ(received_at_echo, (std::vector<std::size_t>{0, 1}));
+}
+
+// What waits behind the frame that is handled now was received, and is not delivered: an echo would be taken for missing.
+TEST_F(SocketCanLinkTest, HeardIsNoMoreThanWasDelivered) {
+  open_active();
+  OtherSocket("vcan0").send_number(1);
+  EXPECT_EQ(link->send(frame(0x205)), SendResult::handed_over);
+  shell("sleep 0.05");
+  const TimePoint long_after = Clock::now();
+  std::optional<TimePoint> heard_until;
+  events.when_received = [&] {
+    EXPECT_TRUE(events.echoes.empty());
+    heard_until = link->heard_until();
+  };
+  ASSERT_TRUE(run_until([&] { return !events.echoes.empty(); }));
+  ASSERT_TRUE(heard_until);
+  EXPECT_LT(*heard_until, long_after);
+  EXPECT_GE(link->heard_until(), long_after) << "there is nothing more to deliver";
 }
 
 TEST_F(SocketCanLinkTest, DroppedFramesAreCountedExactly) {

@@ -82,6 +82,7 @@ class SocketCanLink final : public Link {
   WakeUp count_again_;
   ReceiveBatch batch_;
   socketcan::ReceiveClock clock_;
+  std::optional<TimePoint> delivered_until_;  ///< While a batch is being delivered.
   std::array<Received, ReceiveBatch::kCapacity> received_{};
   std::uint32_t dropped_ = 0;  ///< The kernel's count for this socket, as told.
   std::optional<BusState> told_;
@@ -129,6 +130,9 @@ TimePoint SocketCanLink::heard_until() {
   const TimePoint now = Clock::now();
   if (!socket_) {
     return now;
+  }
+  if (delivered_until_) {
+    return *delivered_until_;  // Of what was read together, something may wait behind the frame that is handled now.
   }
   if (socketcan::has_something_to_read(socket_->get())) {
     return clock_.heard_until();
@@ -223,7 +227,9 @@ void SocketCanLink::tell(const BusState& state) {
 bool SocketCanLink::receive() {
   const int count = batch_.read(socket_->get());
   if (count > 0) {
+    delivered_until_ = clock_.heard_until();
     deliver(static_cast<std::size_t>(count));
+    delivered_until_.reset();
   } else if (count < 0 && errno != EAGAIN && errno != EINTR) {
     // ENETDOWN, ENODEV: told once, before the frames that wait; the interface went down or away. It may be back by now
     // with the same index, and this socket would stay deaf.

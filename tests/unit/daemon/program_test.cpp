@@ -36,7 +36,8 @@ Words with(const TemporaryFile& file, const std::string& command) {
 TEST(ExitCode, OfWrongUsageIs2) {
   for (const Words& words : {Words{}, Words{"fly"}, Words{"check", "--fast"}, Words{"map", "--format", "xml"},
                              Words{"simulate", "--interface", "vcan0", "--drive", "veichi-ac310"},
-                             Words{"simulate", "--interface", "vcan0", "--drive", "no-such-kind:5"}}) {
+                             Words{"simulate", "--interface", "vcan0", "--drive", "no-such-kind:5"},
+                             Words{"simulate", "--tpdo", "half"}, Words{"simulate", "--tpdo", "65536ms"}}) {
     Program program(words);
     EXPECT_EQ(program.exit_code(), kWrongUsage) << testing::PrintToString(words) << program.output();
     EXPECT_NE(program.output(), "") << testing::PrintToString(words) << " says nothing";

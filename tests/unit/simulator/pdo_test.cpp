@@ -198,5 +198,38 @@ TEST_F(PdoTest, NothingIsSentAfterOperational) {
   EXPECT_TRUE(bench.heard.empty());
 }
 
+TEST(CommissionedTpdos, EventTimerAtPowerOnIsTheOneThatWasSet) {
+  DriveOptions options;
+  options.tpdo_event_ms = 500;
+  OneDrive bench{"cia402-velocity", kMapped, options};
+  EXPECT_EQ(bench.read(kMapped, 0x1800, 5), 500U);
+  EXPECT_EQ(bench.write(kMapped, 0x1800, 5, 100, 2), 0U);
+  bench.drive().reboot();
+  bench.advance(seconds(1));
+  EXPECT_EQ(bench.read(kMapped, 0x1800, 5), 500U);
+  bench.start();
+  bench.take(kTpdo);
+  bench.advance(seconds(5));
+  EXPECT_EQ(bench.take(kTpdo).size(), 10U);
+}
+
+TEST(CommissionedTpdos, OnesWithoutObjectsFollowToo) {
+  DriveOptions options;
+  options.tpdo_event_ms = 500;
+  OneDrive bench{"veichi-ac310", kMapped, options};
+  bench.start();
+  bench.take(0x28A);
+  bench.advance(seconds(5));
+  EXPECT_EQ(bench.take(0x28A).size(), 10U);
+}
+
+TEST(CommissionedTpdos, OneThatKnowsNoEventTimerStaysAsItIs) {
+  DriveOptions options;
+  options.tpdo_event_ms = 500;
+  OneDrive bench{"invt-goodrive600", kMapped, options};
+  EXPECT_EQ(bench.read(kMapped, 0x1800, 5), 0U);
+  EXPECT_EQ(bench.read(kMapped, 0x1801, 5), 500U);
+}
+
 }  // namespace
 }  // namespace simulator
