@@ -12,6 +12,13 @@ spdlog::level::level_enum level_of(const process::Alarm& alarm) noexcept {
   return alarm.severity == config::Severity::fault ? spdlog::level::err : spdlog::level::warn;
 }
 
+spdlog::level::level_enum level_of(const canopen::BusState& state) noexcept {
+  if (!state.up()) {
+    return spdlog::level::err;
+  }
+  return state.condition == canopen::BusCondition::error_active ? spdlog::level::info : spdlog::level::warn;
+}
+
 }  // namespace
 
 EventLog::EventLog(const process::Plant& plant)
@@ -57,7 +64,7 @@ void EventLog::on_bus(std::size_t bus) {
     return;
   }
   bus_told_[bus] = state.condition;
-  spdlog::log(state.up() ? spdlog::level::info : spdlog::level::err, "bus {}: {}", plant_.model().buses[bus].name,
+  spdlog::log(level_of(state), "bus {}: {}", plant_.model().buses[bus].name,
               canopen::describe(state.condition));
 }
 
