@@ -153,6 +153,10 @@ TimePoint InFlight::next_time(bool motion_waits) const noexcept {
     if (motion_waits && looked_ < stuck && !will_be_proven(entry.number, entry.frame.id)) {
       next = std::min(next, stuck);
     }
+    const bool uncertain = is_motion(entry.transmit_class) && (entry.overdue || entry.doubtful);
+    if (uncertain && forgotten_ && looked_ < forgotten_->since + times_.echo) {
+      next = std::min(next, forgotten_->since + times_.echo);
+    }
   }
   return next;
 }
@@ -181,7 +185,8 @@ bool InFlight::wants_proof(bool motion_waits, TimePoint now) const noexcept {
   }
   return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     const bool stuck = motion_waits && now - entry.since >= times_.behind;
-    const bool was_asked = forgotten_ && forgotten_->number > entry.number;
+    // The one that would have told is forgotten, too: another may be sent when its echo has had its time.
+    const bool was_asked = forgotten_ && forgotten_->number > entry.number && now < forgotten_->since + times_.echo;
     const bool uncertain = is_motion(entry.transmit_class) && (entry.overdue || entry.doubtful) && !was_asked;
     return (stuck || uncertain) && !will_be_proven(entry.number, entry.frame.id);
   });
@@ -203,7 +208,7 @@ void InFlight::forget(Entry& entry) {
     const std::uint32_t highest = forgotten_ ? forgotten_->cob_id : 0;
     const bool is_newest = !forgotten_ || forgotten_->number < entry.number;
     forgotten_ = {is_newest ? entry.frame : forgotten_->newest, is_newest ? entry.number : forgotten_->number,
-                  std::max(highest, entry.frame.id)};
+                  std::max(highest, entry.frame.id), is_newest ? entry.since : forgotten_->since};
   }
 }
 

@@ -77,6 +77,7 @@ class InFlight {
     Frame newest;
     std::uint64_t number;  ///< Of that one.
     std::uint32_t cob_id;  ///< The highest.
+    TimePoint since;       ///< Of the newest.
   };
 
   [[nodiscard]] bool proves(std::uint32_t cob_id, std::uint32_t of_earlier) const noexcept;

@@ -24,6 +24,8 @@ class Transmission {
   /// (TransmitTimes::echo): `timeout` with outcome_unknown, and the bus takes no command until an echo returns.
   /// `offline` while the bus is down or takes none. To be awaited once.
   boost::asio::awaitable<Result<void>> result();
+  /// Its echo has come, whether or not result() has returned.
+  [[nodiscard]] bool left() const noexcept { return departure_ == Departure::left; }
   /// Not handed over yet, it never leaves; else nothing changes.
   void withdraw() { ticket_.withdraw(); }
 

@@ -10,7 +10,7 @@ void NmtExpectation::begin_anew() noexcept {
 
 void NmtExpectation::give(NmtCommand command, TimePoint until) noexcept {
   if (command == NmtCommand::stop || command == NmtCommand::pre_operational) {
-    hold();
+    wish_ = Wish::held;
     settled_at_ = until + settling_;
   }
 }
@@ -20,16 +20,18 @@ void NmtExpectation::leave(NmtCommand command, TimePoint now) noexcept {
   switch (command) {
     case NmtCommand::start:
       wish_ = Wish::operational;
+      left_ = false;
       operational_ = true;  // What it tells next may be from before a stop that follows.
       ignore_until_ = {};
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:
-      hold();
+      wish_ = Wish::held;
       break;
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
       wish_ = Wish::none;
+      left_ = false;
       ignore_until_ = settled_at_;
       break;
   }
@@ -49,6 +51,7 @@ void NmtExpectation::interrupt_for_boot(TimePoint until) noexcept {
 void NmtExpectation::want_start() noexcept {
   if (!may_start()) {
     wish_ = Wish::none;
+    left_ = false;
   }
 }
 
@@ -68,7 +71,8 @@ StateMeaning NmtExpectation::hear_operational(TimePoint at) noexcept {
   if (wish_ == Wish::operational || may_cross_a_stop) {
     return StateMeaning::usual;
   }
-  return std::exchange(wish_, Wish::operational) == Wish::left ? StateMeaning::started_again : StateMeaning::started;
+  wish_ = Wish::operational;
+  return std::exchange(left_, false) ? StateMeaning::started_again : StateMeaning::started;
 }
 
 StateMeaning NmtExpectation::hear_other(TimePoint at) noexcept {
@@ -77,7 +81,8 @@ StateMeaning NmtExpectation::hear_other(TimePoint at) noexcept {
   if (wish_ != Wish::operational || at < settled_at_) {
     return StateMeaning::usual;
   }
-  wish_ = Wish::left;
+  wish_ = Wish::none;
+  left_ = true;
   return StateMeaning::left;
 }
 

@@ -45,8 +45,11 @@ class NmtExpectation {
   /// What comes now may be from before a command of ours.
   [[nodiscard]] bool from_before(TimePoint at) const noexcept { return at < ignore_until_; }
   /// Neither stopped by command, nor has it left operational by itself.
-  [[nodiscard]] bool may_start() const noexcept { return wish_ == Wish::none || wish_ == Wish::operational; }
-  [[nodiscard]] bool left_by_itself() const noexcept { return wish_ == Wish::left; }
+  [[nodiscard]] bool may_start() const noexcept { return wish_ != Wish::held && !left_; }
+  /// It left operational by itself and was not started since: it may have rebooted unseen.
+  [[nodiscard]] bool left() const noexcept { return left_; }
+  /// That is all that keeps it from being started: nobody has stopped it.
+  [[nodiscard]] bool left_by_itself() const noexcept { return left_ && wish_ != Wish::held; }
   [[nodiscard]] bool held_by_command() const noexcept { return wish_ == Wish::held; }
   /// From then on a state that is not as commanded means something.
   [[nodiscard]] TimePoint settled_at() const noexcept { return settled_at_; }
@@ -57,16 +60,15 @@ class NmtExpectation {
   enum class Wish : std::uint8_t {
     none,         ///< Nothing was commanded since it began.
     operational,  ///< Started, by whomever.
-    held,         ///< Stopped or made pre-operational by command.
-    left          ///< It left operational by itself.
+    held          ///< Stopped or made pre-operational by command.
   };
 
   StateMeaning hear_operational(TimePoint at) noexcept;
   StateMeaning hear_other(TimePoint at) noexcept;
-  void hold() noexcept { wish_ = wish_ == Wish::left ? Wish::left : Wish::held; }
 
   Duration settling_;
   Wish wish_ = Wish::none;
+  bool left_ = false;
   bool operational_ = false;  ///< The newest state heard, or commanded.
   TimePoint settled_at_{};
   TimePoint ignore_until_{};  ///< `operational` told before then, and before any other state, is from before.

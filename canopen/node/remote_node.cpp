@@ -184,6 +184,7 @@ boost::asio::awaitable<BootReport> RemoteNode::take_over(LifeContext context) {
 boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundState found) {
   enter(Stage::configuring);
   expectation_.begin_boot();
+  take_start_requests();
   BootReport report;
   // A stopped node answers no SDO; an operational one refuses most settings.
   if (found == FoundState::stopped || found == FoundState::operational) {
@@ -202,13 +203,7 @@ boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundSt
     co_return report;
   }
   accept(report);
-  if (!start_requests_.empty()) {
-    expectation_.want_start();
-  }
-  if (expectation_.held_by_command()) {
-    go_online(Arrival::booted);  // Configured, and held back from starting.
-    co_return report;
-  }
+  take_start_requests();
   co_return co_await start_node(context);
 }
 
@@ -221,6 +216,10 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
     if (context.life.over() || !report.ok()) {
       co_return report;
     }
+  }
+  if (expectation_.held_by_command()) {
+    go_online(Arrival::booted);  // Configured, and held back from starting.
+    co_return report;
   }
   enter(Stage::starting);
   const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime, true);
@@ -273,6 +272,7 @@ boost::asio::awaitable<void> RemoteNode::stay_silent(Life& life) {
     status.lost = true;
     status.nmt = NmtState::unknown;
   });
+  settle_start_requests(silent_error());
   co_await pause(life, Clock::now() + kProbeInterval);
 }
 

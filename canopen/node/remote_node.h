@@ -184,7 +184,12 @@ class RemoteNode {
   /// No command that has not begun may reach a node that is not operational any more.
   void withdraw_commands();
   void on_nmt_left(NmtCommand command);
+  /// An answer to a command may come in the same batch as its echo, before the one who sent it goes on.
+  void note_departures();
   void settle_start_requests(const Result<void>& result);
+  /// Who waits for a start wants the boot that begins or ends now to end in one.
+  void take_start_requests();
+  [[nodiscard]] Error silent_error() const;
   [[nodiscard]] bool start_needs_boot() const;
   [[nodiscard]] bool takes_commands() const;
   [[nodiscard]] Error offline_error(ObjectAddress object, std::string detail) const;

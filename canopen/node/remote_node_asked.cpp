@@ -17,7 +17,7 @@ class RemoteNode::NmtSending {
   NmtSending(RemoteNode& owner, NmtCommand command, TimePoint deadline, bool of_this_life)
       : owner_(owner),
         transmission_(owner.bus_, TransmitClass::nmt, nmt_frame(command, owner.settings_.node), deadline),
-        starts_(command == NmtCommand::start),
+        command_(command),
         of_this_life_(of_this_life) {
     owner_.nmt_sendings_.push_back(this);
   }
@@ -31,16 +31,22 @@ class RemoteNode::NmtSending {
     transmission_.withdraw();
   }
   [[nodiscard]] bool withdrawn() const noexcept { return withdrawn_; }
+  /// Nothing, too, where it has been asked before.
+  [[nodiscard]] std::optional<NmtCommand> newly_left() noexcept {
+    const bool newly = transmission_.left() && !std::exchange(told_, transmission_.left());
+    return newly ? std::optional(command_) : std::nullopt;
+  }
   [[nodiscard]] bool is_of(NmtGroup group) const noexcept {
-    return group == NmtGroup::starts ? starts_ : of_this_life_;
+    return group == NmtGroup::starts ? command_ == NmtCommand::start : of_this_life_;
   }
 
  private:
   RemoteNode& owner_;
   Transmission transmission_;
-  bool starts_;
+  NmtCommand command_;
   bool of_this_life_;
   bool withdrawn_ = false;
+  bool told_ = false;
 };
 
 /// Counts what is done for a caller, so that stop() can wait for its end.
@@ -114,6 +120,7 @@ boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, Ti
   const NmtExpectation given = expectation_;
   if (!starts) {
     restart_.end();
+    hold_reason_.clear();
     settle_start_requests(withdrawn_error());  // It was the older wish.
     withdraw_nmt(NmtGroup::starts);
     sdo_.withdraw_commands();  // Of the same queue, and behind it.
@@ -127,7 +134,10 @@ boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, Ti
   if (left.has_error() && !left.error().outcome_unknown) {
     if (expectation_ == given) {
       expectation_ = before;
-      restart_ = restart_before;
+      restart_.resume(restart_before);
+      if (stage_ == Stage::serving && status_.nmt != NmtState::operational) {
+        end_life();  // Its boot may have ended without a start for the sake of this command.
+      }
     }
     Error not_sent = left.error();
     not_sent.node = settings_.node;
@@ -156,6 +166,14 @@ void RemoteNode::withdraw_nmt(NmtGroup which) {
   }
 }
 
+void RemoteNode::note_departures() {
+  for (NmtSending* sending : nmt_sendings_) {
+    if (const std::optional<NmtCommand> command = sending->newly_left()) {
+      expectation_.leave(*command, Clock::now());
+    }
+  }
+}
+
 void RemoteNode::on_nmt_left(NmtCommand command) {
   expectation_.leave(command, Clock::now());
   switch (command) {
@@ -165,6 +183,9 @@ void RemoteNode::on_nmt_left(NmtCommand command) {
     case NmtCommand::pre_operational:
       heard_.tpdo_at.reset();
       withdraw_commands();
+      if (expectation_.left()) {
+        change_status([this](NodeStatus& status) { note_left_by_itself(status); });
+      }
       break;
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
@@ -196,12 +217,12 @@ bool RemoteNode::takes_commands() const {
 
 /// Or another look. Not where it is served and did what it was told, or is about to be started anyhow.
 bool RemoteNode::start_needs_boot() const {
-  return stage_ == Stage::serving ? expectation_.left_by_itself() : stage_ != Stage::starting;
+  return stage_ == Stage::serving ? expectation_.left() : stage_ != Stage::starting;
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::start_by_boot(TimePoint deadline) {
-  if (status_.lost) {
-    co_return offline_error({}, "the drive is silent; it is booted and started when it appears");
+  if (status_.lost && (stage_ == Stage::silent || stage_ == Stage::searching)) {
+    co_return silent_error();
   }
   StartRequest request;
   start_requests_.push_back(&request);
@@ -234,6 +255,16 @@ void RemoteNode::settle_start_requests(const Result<void>& result) {
   }
   start_requests_.clear();
   changed_.notify();
+}
+
+void RemoteNode::take_start_requests() {
+  if (!start_requests_.empty()) {
+    expectation_.want_start();
+  }
+}
+
+Error RemoteNode::silent_error() const {
+  return offline_error({}, "the drive is silent; it is booted and started when it appears");
 }
 
 Error RemoteNode::withdrawn_error() const {

@@ -35,6 +35,7 @@ void RemoteNode::subscribe() {
 }
 
 void RemoteNode::on_error_control(const Received& received) {
+  note_departures();
   const std::optional<HeartbeatMessage> message = decode_heartbeat(received.frame.bytes());
   if (!message) {
     return;
@@ -157,6 +158,7 @@ void RemoteNode::tell_state(NmtState state, StateMeaning meaning) {
 }
 
 void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
+  note_departures();
   if (expectation_.from_before(received.at)) {
     return;
   }
@@ -207,7 +209,9 @@ void RemoteNode::on_foreign_nmt(const Received& received) {
 
 void RemoteNode::on_silence() {
   const bool was_heard = heard_.heartbeat_at.has_value();
-  expectation_.begin_anew();  // It may have rebooted unseen.
+  if (bus_.state().up()) {
+    expectation_.begin_anew();  // It may have rebooted unseen. Where nobody can hear it, what holds it goes on.
+  }
   restart_.end();
   if (stage_ != Stage::searching) {
     // A search goes on: it asks the node at its end.

@@ -34,7 +34,7 @@ void RemoteNode::enter(Stage stage) {
       break;
     case Stage::inspecting:
     case Stage::waiting:
-      if (heard_.by_guarding || (!heard_.heartbeat_at && !heard_.tpdo_at)) {
+      if (heard_.by_guarding || !heard_.heartbeat_at) {
         watch_.suspend();  // Nothing comes unasked; it is asked again.
       } else if (stage == Stage::waiting || !watch_.watching()) {
         watch_.watch(now);
@@ -153,7 +153,7 @@ boost::asio::awaitable<std::string> RemoteNode::error_text(const LifeContext& co
 /// What speaks against starting a node that left operational by itself; what is told of it then. Empty: nothing.
 boost::asio::awaitable<std::string> RemoteNode::why_not_to_restart(const LifeContext& context) {
   std::string reason = co_await why_not_to_start(sdo_, settings_.motor);
-  if (context.life.over() || !expectation_.left_by_itself()) {
+  if (context.life.over() || !expectation_.left_by_itself()) {  // Somebody stopped it meanwhile.
     co_return std::string();
   }
   hold_reason_ = std::move(reason);

@@ -39,6 +39,8 @@ class Restart {
     pause_ = std::min(2 * pause_, kLongestPause);
   }
   void end() noexcept { at_ = kNever; }
+  /// As it was before end(), but for what was heard since.
+  void resume(const Restart& before) noexcept { at_ = foreign_ ? kNever : before.at_; }
 
   /// kNever: not by us.
   [[nodiscard]] TimePoint at() const noexcept { return at_; }

@@ -190,6 +190,26 @@ TEST_F(TransmitQueueTest, WhereFramesWereLostTheEchoesMayBeAmongThem) {
   EXPECT_EQ(sent_ids().back(), 0x206U);
 }
 
+TEST_F(TransmitQueueTest, WhereTheHeartbeatThatWouldTellIsLostTooAnotherIsAskedFor) {
+  see_life();
+  push(TransmitClass::command, frame(0x205, 1));
+  queue.on_frames_lost();
+  ASSERT_TRUE(queue.wants_heartbeat(now));
+  push(TransmitClass::control, frame(0x77F));
+  queue.on_frames_lost();
+  advance(99ms);
+  see_life();
+  EXPECT_FALSE(queue.wants_heartbeat(now));
+  advance(2ms);
+  ASSERT_TRUE(queue.wants_heartbeat(now));
+  push(TransmitClass::control, frame(0x77F));
+  echo(frame(0x77F));
+  Sent stop;
+  push_command(stop, frame(0x205, 0));
+  EXPECT_EQ(stop.departure, std::nullopt) << "it is taken";
+  EXPECT_EQ(link.sent.back(), frame(0x205, 0));
+}
+
 TEST_F(TransmitQueueTest, FourLostEchoesDelayNoCommand) {
   see_life();
   for (std::uint32_t node = 1; node <= 4; ++node) {
