@@ -64,8 +64,7 @@ void EventLog::on_bus(std::size_t bus) {
     return;
   }
   bus_told_[bus] = state.condition;
-  spdlog::log(level_of(state), "bus {}: {}", plant_.model().buses[bus].name,
-              canopen::describe(state.condition));
+  spdlog::log(level_of(state), "bus {}: {}", plant_.model().buses[bus].name, canopen::describe(state.condition));
 }
 
 }  // namespace gateway

@@ -17,7 +17,8 @@ canopen::Duration patience_of(const config::Drive& drive) {
 }
 
 bool tells_its_state(const canopen::NodeStatus& status) {
-  return status.online || status.lost || status.boot_result != canopen::BootResult::not_booted || !status.boot_text.empty();
+  return status.online || status.lost || status.boot_result != canopen::BootResult::not_booted ||
+         !status.boot_text.empty();
 }
 
 // Follows from whether and how the drive is there. What emcy holds was read back from the broker.

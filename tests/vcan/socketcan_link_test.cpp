@@ -78,7 +78,8 @@ TEST_F(SocketCanLinkTest, EchoesKeepTheirPlaceAmongTheOthers) {
   EXPECT_EQ(received_at_echo, (std::vector<std::size_t>{0, 1}));
 }
 
-// What waits behind the frame that is handled now was received, and is not delivered: an echo would be taken for missing.
+// What waits behind the frame that is handled now was received, and is not delivered: an echo would be taken for
+// missing.
 TEST_F(SocketCanLinkTest, HeardIsNoMoreThanWasDelivered) {
   open_active();
   OtherSocket("vcan0").send_number(1);
