@@ -64,7 +64,7 @@ TEST_F(HalfDoneTest, ItIsForgottenWithALoss) {
   loop_.advance(60s, 10ms);
   ASSERT_TRUE(status().lost);
   install(bench_settings());  // Switched off and on unseen, and started by another master.
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   slave_.set_state(5);
   slave_.unplug(false);
   slave_.forget_heard();

@@ -197,9 +197,9 @@ TEST(NmtExpectation, SaysWhatAHeardStateMeans) {
 
 TEST(NmtExpectation, OfACommandThatWasNotSentNothingRemains) {
   Story story;
-  story.tell({Event::operational});
+  story.tell(Event::operational);
   const NmtExpectation before = story.expectation;
-  story.tell({Event::stop_given});
+  story.tell(Event::stop_given);
   EXPECT_FALSE(story.expectation.may_start());
   story.expectation = before;
   story.tell(Event::pre_operational);

@@ -20,7 +20,7 @@ constexpr ObjectAddress kMapping{0x1A00, 2};
 constexpr Raw kWantedMapping = 0x60440010;
 constexpr Raw kOtherMapping = 0x60430010;
 /// The event timer of the same TPDO; a drive takes it while operational, too.
-constexpr ObjectAddress kEventTimer{0x1800, 5};
+constexpr ObjectAddress kTpdoEventTimer{0x1800, 5};
 /// What is read last before the NMT start of a boot that finds everything as wanted.
 constexpr ObjectAddress kLastRead{0x1600, 2};
 

@@ -42,14 +42,14 @@ TEST_F(RestartTest, WithRestartItIsConfiguredAndStartedAgainLaterEachTime) {
   for (const Duration pause : {5s, 10s, 20s}) {
     loop_.advance(2s);
     leave_operational();
-    slave_.set(kEventTimer, DataType::u16, 0);
+    slave_.set(kTpdoEventTimer, DataType::u16, 0);
     loop_.advance(pause - 600ms, 10ms);
     EXPECT_TRUE(nmt_heard().empty());
     EXPECT_NE(status().boot_text.find("about to be configured"), std::string::npos) << status().boot_text;
     ASSERT_TRUE(loop_.advance_until([this] { return status().boot_result == BootResult::ok && status().online; }, 2s))
         << status().boot_text;
     EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
-    EXPECT_EQ(slave_.value(kEventTimer), 100U);
+    EXPECT_EQ(slave_.value(kTpdoEventTimer), 100U);
     EXPECT_TRUE(slave_.heard_on(0x205).empty()) << "RPDOs stay silent";
   }
 }

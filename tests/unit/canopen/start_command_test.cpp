@@ -16,11 +16,11 @@ class StartCommandTest : public NodeLifeBench {};
 
 TEST_F(StartCommandTest, LeftAloneItIsLookedAtAgainEachMinute) {
   running(bench_settings());
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   start(bench_settings());
   loop_.advance(1s);
   ASSERT_EQ(status().boot_result, BootResult::left_alone);
-  slave_.set(kEventTimer, DataType::u16, 100);
+  slave_.set(kTpdoEventTimer, DataType::u16, 100);
   loop_.advance(58s, 10ms);
   EXPECT_FALSE(status().online);
   EXPECT_TRUE(wait_online(3s));
@@ -29,7 +29,7 @@ TEST_F(StartCommandTest, LeftAloneItIsLookedAtAgainEachMinute) {
 
 TEST_F(StartCommandTest, LeftAloneItIsLookedAtAgainOnAStartCommand) {
   running(bench_settings());
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   start(bench_settings());
   loop_.advance(1s);
   const auto in_vain = command(NmtCommand::start);
@@ -37,7 +37,7 @@ TEST_F(StartCommandTest, LeftAloneItIsLookedAtAgainOnAStartCommand) {
   ASSERT_TRUE(in_vain.done());
   EXPECT_EQ(in_vain.get().error().kind, ErrorKind::refused);
   EXPECT_NE(in_vain.get().error().detail.find("event timer"), std::string::npos) << in_vain.get().error().detail;
-  slave_.set(kEventTimer, DataType::u16, 100);
+  slave_.set(kTpdoEventTimer, DataType::u16, 100);
   const auto started = command(NmtCommand::start);
   loop_.advance(800ms);
   ASSERT_TRUE(started.done());
@@ -48,7 +48,7 @@ TEST_F(StartCommandTest, LeftAloneItIsLookedAtAgainOnAStartCommand) {
 
 TEST_F(StartCommandTest, LeavingRightAfterOneInVainItIsHeld) {
   running(bench_settings());
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   start(bench_settings());
   loop_.advance(1100ms);
   ASSERT_EQ(status().boot_result, BootResult::left_alone) << status().boot_text;

@@ -107,7 +107,7 @@ TEST_F(StopAgainstStartTest, StoppedWhileItIsConfiguredAsItWasFoundIsNoFailure) 
 TEST_F(StopAgainstStartTest, StoppedWhileItIsLeftAloneIsNoFailure) {
   running(bench_settings());
   silent_when_stopped();
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   start(bench_settings());
   loop_.advance(1s);
   ASSERT_EQ(status().boot_result, BootResult::left_alone) << status().boot_text;
@@ -165,7 +165,7 @@ TEST_F(StopAgainstStartTest, AStopIsNotForgottenByAReconfiguration) {
   install(settings);
   settings.reconfigure_running = true;
   settings.identity.vendor = 0x91;  // Looked at again every five seconds.
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   slave_.set_state(5);
   start(settings);
   loop_.advance(20ms);
@@ -178,7 +178,7 @@ TEST_F(StopAgainstStartTest, AStopIsNotForgottenByAReconfiguration) {
   slave_.heartbeat_off(false);
   loop_.advance(20s, 10ms);
   ASSERT_TRUE(sent.done() && sent.get().has_value());
-  EXPECT_EQ(slave_.value(kEventTimer), 100U) << "the reconfiguration did not take place";
+  EXPECT_EQ(slave_.value(kTpdoEventTimer), 100U) << "the reconfiguration did not take place";
   EXPECT_EQ(starts(), 0);
 }
 

@@ -142,14 +142,14 @@ TEST_F(UnknownStateTest, WhereNothingWillEverTellTheMotorIsReadBeforeTheFirstWri
 TEST_F(UnknownStateTest, MadePreOperationalItIsNotTakenForOperationalByAnOlderTpdo) {
   running(without_heartbeat_settings());
   slave_.set(kHeartbeatTime, DataType::u16, 0);
-  slave_.set(kEventTimer, DataType::u16, 0);
+  slave_.set(kTpdoEventTimer, DataType::u16, 0);
   start(without_heartbeat_settings());
   send_tpdo(0x27, 1);
   loop_.advance(1s);
   ASSERT_EQ(status().boot_result, BootResult::left_alone) << status().boot_text;
   ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
   loop_.advance(3s);
-  slave_.set(kEventTimer, DataType::u16, 100);
+  slave_.set(kTpdoEventTimer, DataType::u16, 100);
   const auto started = command(NmtCommand::start, 5s);
   loop_.advance(5s, 10ms);
   ASSERT_TRUE(started.done());
