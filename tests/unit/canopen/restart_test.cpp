@@ -124,6 +124,15 @@ TEST_F(RestartTest, AStopByCommandIsNotUndoneByIt) {
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(2)});
 }
 
+TEST_F(RestartTest, ARunCommandGivenWhileItIsConfiguredPreventsIt) {
+  bring_online_with_restart();
+  leave_operational();
+  when_read(kLastRead, [this] { slave_.set(kControlWord, DataType::u16, 0x000F); });
+  loop_.advance(30s, 10ms);
+  EXPECT_TRUE(nmt_heard().empty());
+  EXPECT_TRUE(told("its control command holds 0xF")) << status().boot_text;
+}
+
 // The look at the motor is worth nothing once somebody may have given a run command since: a start that was ignored, or
 // a configuration that failed, must not be followed by a start without another look.
 TEST_F(RestartTest, AfterAStartThatWasIgnoredTheMotorIsLookedAtAgain) {

@@ -36,6 +36,22 @@ TEST_F(StopAgainstStartTest, AStopWithdrawsTheStartThatWaits) {
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(128)});
 }
 
+TEST_F(StopAgainstStartTest, AStopThatWaitsWhileTheBootEndsHoldsTheStartBack) {
+  install(bench_settings());
+  slave_.delay_answers(20ms);
+  when_read(kLastRead, [this] { closed_ = true; });
+  start(bench_settings());
+  slave_.boot_up();
+  ASSERT_TRUE(loop_.advance_until([this] { return closed_; }, 2s));
+  const auto sent = command(NmtCommand::pre_operational);
+  loop_.advance(50ms);
+  ASSERT_TRUE(status().configured);
+  closed_ = false;
+  loop_.advance(30s, 10ms);
+  ASSERT_TRUE(sent.done() && sent.get().has_value());
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(128)});
+}
+
 TEST_F(StopAgainstStartTest, AStartThatWaitsDoesNotFollowOneThatSomebodyElseUndid) {
   hold_its_start(bench_settings());
   says(5);
@@ -137,6 +153,17 @@ class CrossingHeartbeatTest : public NodeLifeBench {
     EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(1), nmt(128)})) << "started again after it was stopped by command";
   }
 };
+
+TEST_F(CrossingHeartbeatTest, TheFirstSignSinceTheStartAfterTheStopHasLeft) {
+  install(with_motor());
+  start(with_motor());
+  slave_.boot_up();
+  ASSERT_TRUE(wait_nmt());
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  slave_.send(0x705, {5});
+  loop_.advance(60s, 10ms);
+  expect_stopped_by_command();
+}
 
 TEST_F(CrossingHeartbeatTest, TheFirstOneSinceTheStartWhileTheStopWaits) {
   come_online_by_tpdo();

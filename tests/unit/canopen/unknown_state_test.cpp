@@ -147,8 +147,9 @@ TEST_F(UnknownStateTest, MadePreOperationalItIsNotTakenForOperationalByAnOlderTp
   send_tpdo(0x27, 1);
   loop_.advance(1s);
   ASSERT_EQ(status().boot_result, BootResult::left_alone) << status().boot_text;
+  send_tpdo(0x27, 1);
   ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
-  loop_.advance(3s);
+  loop_.advance(100ms);
   slave_.set(kTpdoEventTimer, DataType::u16, 100);
   const auto started = command(NmtCommand::start, 5s);
   loop_.advance(5s, 10ms);
