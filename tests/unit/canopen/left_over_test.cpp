@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "tests/unit/canopen/node_bench.h"
+#include "tests/unit/canopen/node_life_bench.h"
 
 namespace canopen {
 namespace {
@@ -14,16 +14,13 @@ namespace {
 using namespace std::chrono_literals;
 using Bytes = support::ScriptedSlave::Bytes;
 
-constexpr ObjectAddress kMapping{0x1A00, 2};
-constexpr Raw kDefaultMapping = 0x60430010;
-
 class LeftOverTest : public NodeCommandBench {
  protected:
   /// A boot that has to write the mapping of TPDO1, up to the moment when `done` says so.
   template <class Predicate>
   void boot_until(Predicate done) {
     install(bench_settings());
-    slave_.set(kMapping, DataType::u32, kDefaultMapping);
+    slave_.set(kMapping, DataType::u32, kOtherMapping);
     start(bench_settings());
     slave_.delay_answers(5ms);
     slave_.boot_up();
@@ -39,7 +36,7 @@ class LeftOverTest : public NodeCommandBench {
   /// The node loses its power for a moment: all is as it was delivered.
   void reboot() {
     install(bench_settings());
-    slave_.set(kMapping, DataType::u32, kDefaultMapping);
+    slave_.set(kMapping, DataType::u32, kOtherMapping);
     slave_.forget_heard();
     slave_.boot_up();
     loop_.advance(100ms);

@@ -6,35 +6,26 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/unit/canopen/node_bench.h"
+#include "tests/unit/canopen/node_life_bench.h"
 
 namespace canopen {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr ObjectAddress kStatusWord{0x6041, 0};
 constexpr Raw kStands = 0x0650;
 constexpr Raw kStandsWithFault = 0x0658;
 
-class NodeStopTest : public NodeCommandBench {
+class NodeStopTest : public NodeLifeBench {
  protected:
   /// It is served, and has left operational by itself just now.
-  void leave_operational(bool restart, Raw status_word = kStands) {
-    NodeSettings settings = bench_settings();
+  void serve_until_it_leaves(bool restart, Raw status_word = kStands) {
+    NodeSettings settings = with_motor();
     settings.restart = restart;
-    settings.motor.running = kRunning;
-    settings.motor.fault = MotorSign{kStatusWord, DataType::u16, 8, {8}};
-    settings.motor.control = kControlWord;
-    settings.motor.stops = {{0xF882, 0}, {0xF887, 6}};
     slave_.set(kStatusWord, DataType::u16, status_word);
     bring_online(settings);
     loop_.advance(2s);
-    slave_.set_state(127);
-    slave_.send(0x705, {127});
-    loop_.advance(1ms);
-    slave_.forget_heard();
-    ASSERT_EQ(status().boot_result, BootResult::not_configured);
+    leave_operational();
   }
   /// The command has been answered well; two minutes later it still stands.
   void expect_it_stands(NmtCommand what) {
@@ -49,7 +40,7 @@ class NodeStopTest : public NodeCommandBench {
 };
 
 TEST_F(NodeStopTest, BehindAStartThatIsBeingBooted) {
-  leave_operational(false);
+  serve_until_it_leaves(false);
   slave_.delay_answers(20ms);
   const auto started = command(NmtCommand::start);
   loop_.advance(100ms);
@@ -60,21 +51,21 @@ TEST_F(NodeStopTest, BehindAStartThatIsBeingBooted) {
 }
 
 TEST_F(NodeStopTest, BeforeARestartIsDue) {
-  leave_operational(true);
+  serve_until_it_leaves(true);
   loop_.advance(2s, 10ms);
   expect_it_stands(NmtCommand::pre_operational);
   EXPECT_NE(status().boot_text.find("before an NMT start command"), std::string::npos) << status().boot_text;
 }
 
 TEST_F(NodeStopTest, WhileTheMotorIsLookedAtForARestart) {
-  leave_operational(true);
+  serve_until_it_leaves(true);
   slave_.delay_answers(100ms);
   loop_.advance(5050ms, 10ms);
   expect_it_stands(NmtCommand::pre_operational);
 }
 
 TEST_F(NodeStopTest, WhileTheMotorIsLookedAtInVain) {
-  leave_operational(true, kStandsWithFault);
+  serve_until_it_leaves(true, kStandsWithFault);
   slave_.delay_answers(100ms);
   loop_.advance(5050ms, 10ms);
   const auto stopped = command(NmtCommand::pre_operational);
@@ -86,14 +77,14 @@ TEST_F(NodeStopTest, WhileTheMotorIsLookedAtInVain) {
 }
 
 TEST_F(NodeStopTest, WhileARestartIsBeingConfigured) {
-  leave_operational(true);
+  serve_until_it_leaves(true);
   slave_.delay_answers(20ms);
   loop_.advance(5200ms, 10ms);
   expect_it_stands(NmtCommand::pre_operational);
 }
 
 TEST_F(NodeStopTest, RightBeforeTheStartOfARestart) {
-  leave_operational(true);
+  serve_until_it_leaves(true);
   slave_.delay_answers(20ms);
   loop_.advance(5s, 10ms);
   const auto looks = [this] {
@@ -119,7 +110,7 @@ TEST_F(NodeStopTest, OutlastsOurOwnInterfaceBeingDown) {
 }
 
 TEST_F(NodeStopTest, OneThatCouldNotLeaveForgetsNoOtherMaster) {
-  leave_operational(true);
+  serve_until_it_leaves(true);
   closed_ = true;
   const auto stopped = command(NmtCommand::pre_operational);
   loop_.advance(100ms);
