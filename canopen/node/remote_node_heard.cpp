@@ -210,13 +210,14 @@ void RemoteNode::on_foreign_nmt(const Received& received) {
 void RemoteNode::on_silence() {
   const bool was_heard = heard_.heartbeat_at.has_value();
   if (bus_.state().up()) {
-    expectation_.begin_anew();  // It may have rebooted unseen. Where nobody can hear it, what holds it goes on.
+    // It may have rebooted unseen. Where nobody can hear it, what holds it goes on.
+    expectation_.begin_anew();
+    restart_.end();
   }
-  restart_.end();
+  half_done_.clear();
   if (stage_ != Stage::searching) {
     // A search goes on: it asks the node at its end.
     heard_ = Heard{};
-    half_done_.clear();
     end_life();
   }
   change_status([was_heard](NodeStatus& status) {

@@ -54,6 +54,19 @@ TEST_F(RestartTest, WithRestartItIsConfiguredAndStartedAgainLaterEachTime) {
   }
 }
 
+TEST_F(RestartTest, GoesOnAfterOurOwnInterfaceWasDown) {
+  bring_online_with_restart();
+  loop_.advance(2s);
+  leave_operational();
+  wire_.set_state(BusState{});
+  loop_.advance(3s);
+  wire_.set_state({BusCondition::error_active, 0, 0});
+  loop_.advance(1s);
+  EXPECT_TRUE(nmt_heard().empty());
+  ASSERT_TRUE(wait_online(5s)) << status().boot_text;
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
+}
+
 TEST_F(RestartTest, ItIsNotStartedWhileItRunsHasAFaultOrHoldsARunCommand) {
   NodeSettings settings = with_motor();
   settings.restart = true;
