@@ -127,6 +127,18 @@ TEST_F(RestartTest, PreOperationalByCommandIsNotUndoneByIt) {
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(128)});
 }
 
+TEST_F(RestartTest, PreOperationalByCommandWhileItIsConfiguredAgainIsKept) {
+  bring_online_with_restart();
+  slave_.delay_answers(20ms);
+  leave_operational();
+  ASSERT_TRUE(loop_.advance_until([this] { return !status().online; }, 10s));
+  loop_.advance(50ms);
+  ASSERT_FALSE(status().configured);
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  loop_.advance(60s, 10ms);
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(128)});
+}
+
 TEST_F(RestartTest, AStopByCommandIsNotUndoneByIt) {
   bring_online_with_restart();
   leave_operational();

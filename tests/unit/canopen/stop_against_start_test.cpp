@@ -99,6 +99,21 @@ TEST_F(StopAgainstStartTest, AStopThatCouldNotLeaveHoldsNoStartBack) {
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
 }
 
+TEST_F(StopAgainstStartTest, AStopWhileTheBootOfAStartCommandIsUnderWayIsKept) {
+  bring_online(bench_settings());
+  leave_operational();
+  loop_.advance(1s);
+  slave_.delay_answers(20ms);
+  const auto started = command(NmtCommand::start, 5s);
+  loop_.advance(100ms);
+  ASSERT_FALSE(status().configured);
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  loop_.advance(30s, 10ms);
+  ASSERT_TRUE(started.done());
+  EXPECT_TRUE(started.get().has_error());
+  EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(128)});
+}
+
 TEST_F(StopAgainstStartTest, StoppedWhileItIsConfiguredAfterItsBootUpItCanBeStartedAgain) {
   install(bench_settings());
   silent_when_stopped();
