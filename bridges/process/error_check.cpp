@@ -1,17 +1,14 @@
 #include "bridges/process/error_check.h"
 
+#include "canopen/communication_objects.h"
 #include "canopen/node/remote_node.h"
 
 namespace process {
 namespace {
 
 using canopen::DataType;
-using canopen::ObjectAddress;
 using canopen::Raw;
 using canopen::Result;
-
-constexpr ObjectAddress kErrorRegister{0x1001, 0};
-constexpr ObjectAddress kNewestError{0x1003, 1};
 
 }  // namespace
 
@@ -20,7 +17,7 @@ boost::asio::awaitable<ErrorCheck> check_errors(const config::Drive& model, cano
   if (!model.faults.has_error_register) {
     co_return check;
   }
-  const Result<Raw> error_register = co_await node.read(kErrorRegister, DataType::u8);
+  const Result<Raw> error_register = co_await node.read(canopen::kErrorRegister, DataType::u8);
   if (error_register.has_error()) {
     check.again = error_register.error().kind != canopen::ErrorKind::refused;
     co_return check;
@@ -37,7 +34,7 @@ boost::asio::awaitable<ErrorCheck> check_errors(const config::Drive& model, cano
     }
   }
   if (model.faults.has_error_field && check.readings.fault_code.value_or(0) == 0) {
-    const Result<Raw> newest = co_await node.read(kNewestError, DataType::u32);
+    const Result<Raw> newest = co_await node.read(canopen::kNewestError, DataType::u32);
     if (newest.has_value()) {
       // The high half is additional information of the maker (CiA 301 §7.5.2.4).
       check.readings.history = static_cast<std::uint16_t>(newest.value() & 0xFFFF);

@@ -3,14 +3,19 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
+#include <utility>
 
 namespace canopen {
 
-Transmission::Transmission(Bus& bus, TransmitClass transmit_class, const Frame& frame, TimePoint deadline)
+Transmission::Transmission(Bus& bus, TransmitClass transmit_class, const Frame& frame, TimePoint deadline,
+                           std::function<void()> on_left)
     : bus_(bus), timer_(bus.executor_, kNever) {
   ++bus_.transmissions_;
-  ticket_ = bus_.send(transmit_class, frame, deadline, [this](Departure departure) {
+  ticket_ = bus_.send(transmit_class, frame, deadline, [this, on_left = std::move(on_left)](Departure departure) {
     departure_ = departure;
+    if (departure == Departure::left && on_left) {
+      on_left();
+    }
     timer_.cancel();
   });
 }

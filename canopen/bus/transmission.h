@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
+#include <functional>
 #include <optional>
 
 #include "canopen/bus/bus.h"
@@ -14,8 +15,10 @@ namespace canopen {
 /// by others through withdraw(); when it goes, a command that still waits is withdrawn.
 class Transmission {
  public:
-  /// `transmit_class`: nmt or command. `bus` outlives the transmission.
-  Transmission(Bus& bus, TransmitClass transmit_class, const Frame& frame, TimePoint deadline);
+  /// `transmit_class`: nmt or command. `bus` outlives the transmission. `on_left` is called when its echo comes, before
+  /// result() returns: an answer may follow in the same batch. Like Ticket::Told it must not call the bus.
+  Transmission(Bus& bus, TransmitClass transmit_class, const Frame& frame, TimePoint deadline,
+               std::function<void()> on_left = {});
   ~Transmission();
   Transmission(const Transmission&) = delete;
   Transmission& operator=(const Transmission&) = delete;
@@ -24,8 +27,6 @@ class Transmission {
   /// (TransmitTimes::echo): `timeout` with outcome_unknown, and the bus takes no command until an echo returns.
   /// `offline` while the bus is down or takes none. To be awaited once.
   boost::asio::awaitable<Result<void>> result();
-  /// Its echo has come, whether or not result() has returned.
-  [[nodiscard]] bool left() const noexcept { return departure_ == Departure::left; }
   /// Not handed over yet, it never leaves; else nothing changes.
   void withdraw() { ticket_.withdraw(); }
 

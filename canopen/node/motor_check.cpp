@@ -1,6 +1,7 @@
 #include "canopen/node/motor_check.h"
 
 #include <algorithm>
+#include <array>
 
 #include "canopen/hex.h"
 #include "canopen/sdo/client.h"
@@ -8,9 +9,9 @@
 namespace canopen {
 namespace {
 
-bool is_negative(DataType type, Raw raw) noexcept {
-  const auto bits = static_cast<unsigned>(8 * byte_length(type));
-  return ((raw >> (bits - 1)) & 1U) != 0;
+boost::asio::awaitable<Result<bool>> read_sign(SdoClient& sdo, const MotorSign& sign) {
+  const Result<Raw> value = co_await sdo.read(sign.object, sign.type);
+  co_return value.has_error() ? Result<bool>(value.error()) : Result<bool>(shows(sign, value.value()));
 }
 
 std::string unreadable(std::string_view what, const Error& error) {
@@ -21,7 +22,7 @@ std::string unreadable(std::string_view what, const Error& error) {
 
 bool shows(const MotorSign& sign, Raw raw) noexcept {
   if (sign.negative) {
-    return is_negative(sign.type, raw);
+    return to_number(sign.type, raw) < 0;
   }
   return std::find(sign.values.begin(), sign.values.end(), raw & sign.mask) != sign.values.end();
 }
@@ -32,33 +33,31 @@ bool is_stop(const MotorSigns& motor, Raw control) noexcept {
 }
 
 boost::asio::awaitable<std::optional<bool>> read_running(SdoClient& sdo, const MotorSigns& motor) {
-  std::optional<bool> running;
-  if (motor.running) {
-    const Result<Raw> value = co_await sdo.read(motor.running->object, motor.running->type);
-    if (value.has_value()) {
-      running = shows(*motor.running, value.value());
-    }
+  if (!motor.running) {
+    co_return std::nullopt;
   }
-  co_return running;
+  const Result<bool> running = co_await read_sign(sdo, *motor.running);
+  co_return running.has_value() ? std::optional(running.value()) : std::nullopt;
 }
 
 boost::asio::awaitable<std::string> why_not_to_start(SdoClient& sdo, const MotorSigns& motor) {
-  if (motor.fault) {
-    const Result<Raw> value = co_await sdo.read(motor.fault->object, motor.fault->type);
-    if (value.has_error()) {
-      co_return unreadable("its fault", value.error());
+  struct Against {
+    const std::optional<MotorSign>& sign;
+    const char* what;
+    const char* shown;
+  };
+  const std::array against{Against{motor.fault, "its fault", "it has a fault"},
+                           Against{motor.running, "whether its motor runs", "its motor runs"}};
+  for (const Against& each : against) {
+    if (!each.sign) {
+      continue;
     }
-    if (shows(*motor.fault, value.value())) {
-      co_return "it has a fault";
+    const Result<bool> shown = co_await read_sign(sdo, *each.sign);
+    if (shown.has_error()) {
+      co_return unreadable(each.what, shown.error());
     }
-  }
-  if (motor.running) {
-    const Result<Raw> value = co_await sdo.read(motor.running->object, motor.running->type);
-    if (value.has_error()) {
-      co_return unreadable("whether its motor runs", value.error());
-    }
-    if (shows(*motor.running, value.value())) {
-      co_return "its motor runs";
+    if (shown.value()) {
+      co_return each.shown;
     }
   }
   if (motor.control && !motor.stops.empty()) {

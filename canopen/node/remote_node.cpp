@@ -222,12 +222,11 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
     co_return report;
   }
   enter(Stage::starting);
-  const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime, true);
+  const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime);
   if (context.life.over()) {
     co_return report;
   }
   if (left.has_value()) {
-    expectation_.leave(NmtCommand::start, Clock::now());
     settle_start_requests({});
     if (!expects_heartbeat(settings_)) {
       heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.

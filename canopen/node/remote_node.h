@@ -176,16 +176,14 @@ class RemoteNode {
   // What is asked for.
   boost::asio::awaitable<Result<void>> start_by_boot(TimePoint deadline);
   boost::asio::awaitable<Result<void>> send_nmt(NmtCommand command, TimePoint deadline);
-  /// Sends an NMT command. `of_this_life`: it is withdrawn when the life ends, for it could start a node that was not
+  /// Sends an NMT command of the present life: it is withdrawn when that ends, for it could start a node that was not
   /// configured since its boot-up.
-  boost::asio::awaitable<Result<void>> transmit_nmt(NmtCommand command, TimePoint deadline, bool of_this_life);
+  boost::asio::awaitable<Result<void>> transmit_nmt(NmtCommand command, TimePoint deadline);
   void withdraw_nmt(NmtGroup which);
   [[nodiscard]] Error withdrawn_error() const;
   /// No command that has not begun may reach a node that is not operational any more.
   void withdraw_commands();
   void on_nmt_left(NmtCommand command);
-  /// An answer to a command may come in the same batch as its echo, before the one who sent it goes on.
-  void note_departures();
   void settle_start_requests(const Result<void>& result);
   /// Who waits for a start wants the boot that begins or ends now to end in one.
   void take_start_requests();

@@ -16,9 +16,10 @@ class RemoteNode::NmtSending {
  public:
   NmtSending(RemoteNode& owner, NmtCommand command, TimePoint deadline, bool of_this_life)
       : owner_(owner),
-        transmission_(owner.bus_, TransmitClass::nmt, nmt_frame(command, owner.settings_.node), deadline),
         command_(command),
-        of_this_life_(of_this_life) {
+        of_this_life_(of_this_life),
+        transmission_(owner.bus_, TransmitClass::nmt, nmt_frame(command, owner.settings_.node), deadline,
+                      [this] { on_left(); }) {
     owner_.nmt_sendings_.push_back(this);
   }
   ~NmtSending() { std::erase(owner_.nmt_sendings_, this); }
@@ -26,27 +27,30 @@ class RemoteNode::NmtSending {
   NmtSending& operator=(const NmtSending&) = delete;
 
   boost::asio::awaitable<Result<void>> result() { return transmission_.result(); }
-  void withdraw() {
+  void withdraw(NmtGroup why) {
     withdrawn_ = true;
+    life_over_ = life_over_ || why != NmtGroup::starts;
     transmission_.withdraw();
   }
   [[nodiscard]] bool withdrawn() const noexcept { return withdrawn_; }
-  /// Nothing, too, where it has been asked before.
-  [[nodiscard]] std::optional<NmtCommand> newly_left() noexcept {
-    const bool newly = transmission_.left() && !std::exchange(told_, transmission_.left());
-    return newly ? std::optional(command_) : std::nullopt;
-  }
   [[nodiscard]] bool is_of(NmtGroup group) const noexcept {
     return group == NmtGroup::starts ? command_ == NmtCommand::start : of_this_life_;
   }
 
  private:
+  /// What it was told to be, but for the pre-operational of a boot, counts from here on.
+  void on_left() {
+    if (!life_over_ && (command_ == NmtCommand::start || !of_this_life_)) {
+      owner_.expectation_.leave(command_, Clock::now());
+    }
+  }
+
   RemoteNode& owner_;
-  Transmission transmission_;
   NmtCommand command_;
   bool of_this_life_;
   bool withdrawn_ = false;
-  bool told_ = false;
+  bool life_over_ = false;     ///< It is for a node that has rebooted or was lost.
+  Transmission transmission_;  ///< The last: it may tell at once.
 };
 
 /// Counts what is done for a caller, so that stop() can wait for its end.
@@ -143,6 +147,9 @@ boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, Ti
     not_sent.node = settings_.node;
     co_return not_sent;
   }
+  if (left.has_error()) {
+    expectation_.leave(command, Clock::now());  // It may have.
+  }
   on_nmt_left(command);
   co_return left;
 }
@@ -152,30 +159,20 @@ boost::asio::awaitable<std::optional<bool>> RemoteNode::motor_runs() {
   co_return co_await read_running(sdo_, settings_.motor);
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::transmit_nmt(NmtCommand command, TimePoint deadline,
-                                                              bool of_this_life) {
-  NmtSending sending(*this, command, deadline, of_this_life);
+boost::asio::awaitable<Result<void>> RemoteNode::transmit_nmt(NmtCommand command, TimePoint deadline) {
+  NmtSending sending(*this, command, deadline, true);
   co_return co_await sending.result();
 }
 
 void RemoteNode::withdraw_nmt(NmtGroup which) {
   for (NmtSending* sending : nmt_sendings_) {
     if (which == NmtGroup::all || sending->is_of(which)) {
-      sending->withdraw();
-    }
-  }
-}
-
-void RemoteNode::note_departures() {
-  for (NmtSending* sending : nmt_sendings_) {
-    if (const std::optional<NmtCommand> command = sending->newly_left()) {
-      expectation_.leave(*command, Clock::now());
+      sending->withdraw(which);
     }
   }
 }
 
 void RemoteNode::on_nmt_left(NmtCommand command) {
-  expectation_.leave(command, Clock::now());
   switch (command) {
     case NmtCommand::start:
       break;

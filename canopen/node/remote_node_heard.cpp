@@ -35,7 +35,6 @@ void RemoteNode::subscribe() {
 }
 
 void RemoteNode::on_error_control(const Received& received) {
-  note_departures();
   const std::optional<HeartbeatMessage> message = decode_heartbeat(received.frame.bytes());
   if (!message) {
     return;
@@ -158,7 +157,6 @@ void RemoteNode::tell_state(NmtState state, StateMeaning meaning) {
 }
 
 void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
-  note_departures();
   if (expectation_.from_before(received.at)) {
     return;
   }

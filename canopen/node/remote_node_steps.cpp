@@ -111,7 +111,7 @@ boost::asio::awaitable<bool> RemoteNode::make_pre_operational(const LifeContext&
   const NmtExpectation before = expectation_;
   expectation_.interrupt_for_boot(deadline);
   const NmtExpectation given = expectation_;
-  const Result<void> left = co_await transmit_nmt(NmtCommand::pre_operational, deadline, true);
+  const Result<void> left = co_await transmit_nmt(NmtCommand::pre_operational, deadline);
   if (context.life.over()) {
     co_return false;
   }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 
+#include "canopen/communication_objects.h"
+
 namespace canopen {
 namespace {
 
 // Every node has them (CiA 301 §7.5.2); where not, the abort is an answer, too.
-constexpr std::array kProofs{ObjectAddress{0x1000, 0}, ObjectAddress{0x1017, 0}};
+constexpr std::array kProofs{kDeviceType, kProducerHeartbeat};
 // A silent node is asked for them in turn: an answer that has not come after that many times the timeout never will.
 constexpr int kLateTimeouts = 4;
 // Of more objects than that the oldest are forgotten: as many later requests went unanswered.

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "tests/unit/canopen/node_life_bench.h"
@@ -230,6 +233,47 @@ TEST_F(StopAgainstStartTest, AStopIsNotForgottenByAReconfiguration) {
   ASSERT_TRUE(sent.done() && sent.get().has_value());
   EXPECT_EQ(slave_.value(kTpdoEventTimer), 100U) << "the reconfiguration did not take place";
   EXPECT_EQ(starts(), 0);
+}
+
+/// A node whose heartbeat answers an NMT command in the same turn of the loop.
+class PromptNodeTest : public NodeLifeBench, private LinkEvents {
+ protected:
+  void SetUp() override { link_->open(*this); }
+  void TearDown() override { link_->close(); }
+
+ private:
+  void on_frames(std::span<const Received> frames) override {
+    for (const Received& received : frames) {
+      if (received.frame.id == 0) {
+        const std::uint8_t state = received.frame.data[0] == 1 ? 5 : 127;
+        static_cast<void>(link_->send(make_frame(0x705, std::array{state})));
+      }
+    }
+  }
+  void on_echo(const Frame&, TimePoint) override {}
+  void on_bus_state(const BusState&) override {}
+  void on_frames_lost(std::uint32_t) override {}
+
+  std::unique_ptr<Link> link_ = wire_.connect();
+};
+
+TEST_F(PromptNodeTest, IsStartedAfterItsReconfiguration) {
+  NodeSettings settings = bench_settings();
+  settings.reconfigure_running = true;
+  running(settings);
+  slave_.set(kMapping, DataType::u32, kOtherMapping);
+  start(settings);
+  ASSERT_TRUE(wait_online(5s));
+  EXPECT_EQ(nmt_heard(), (std::vector<Frame>{nmt(128), nmt(1)}));
+  EXPECT_EQ(status().nmt, NmtState::operational);
+}
+
+TEST_F(PromptNodeTest, StartedByUsIsNotTakenForStartedBySomebodyElse) {
+  install(bench_settings());
+  start(bench_settings());
+  slave_.boot_up();
+  ASSERT_TRUE(wait_online());
+  EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::booted});
 }
 
 }  // namespace
