@@ -97,12 +97,17 @@ boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, Dat
   co_return co_await sdo_.write_command(object, type, raw, deadline, std::move(still_stands));
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
-                                                           TimePoint deadline) {
+boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
+                                                           TransmitClass transmit_class, TimePoint deadline) {
   if (!takes_commands()) {
     co_return offline_error({}, "the drive is not online and operational");
   }
-  co_return co_await outputs_.send(number, std::move(fields), deadline);
+  co_return co_await outputs_.send(number, std::move(values), transmit_class, deadline);
+}
+
+void RemoteNode::withdraw_command() {
+  outputs_.withdraw();
+  sdo_.withdraw_commands();
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, TimePoint deadline) {
