@@ -29,18 +29,14 @@ std::optional<SignalId> commanded_signal(const config::Drive& model, canopen::Ob
 
 }  // namespace
 
-std::optional<canopen::Raw> first_stop(const config::Drive& model) noexcept {
-  const auto& stops = model.node.motor.stops;
-  const auto exact = std::find_if(stops.begin(), stops.end(), [](const auto& stop) { return stop.mask == ~canopen::Raw{0}; });
-  return exact == stops.end() ? std::nullopt : std::optional(exact->equals);
-}
-
-Commanded::Commanded(const config::Drive& model) : model_(model), first_stop_(first_stop(model)), values_(model.signals.size()) {
+Commanded::Commanded(const config::Drive& model) : model_(model), values_(model.signals.size()) {
   if (const auto control = model.find("control_command")) {
     control_ = static_cast<SignalId>(*control);
   }
   for (const canopen::PdoSettings& settings : model.node.rpdos) {
-    Rpdo rpdo{.number = settings.number, .fields = {}};
+    Rpdo rpdo{.number = settings.number,
+              .supervised = canopen::repeat_time(settings) > canopen::Duration::zero(),
+              .fields = {}};
     for (const canopen::MappedObject& mapped : settings.mapping) {
       const auto signal = commanded_signal(model, mapped.object);
       if (canopen::is_commanded(mapped) && signal) {
@@ -96,7 +92,9 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
     value.held = all_void_.epoch > since ? std::nullopt : std::optional(field.raw);
     value.counts = !outlived && (control_counts || !control) && !config::is_momentary(model_.signals[field.signal], field.raw);
     value.confirmed = now;
-    if (control) {
+    if (control && outlived && !is_stop(field.raw)) {
+      replace_repeated_control(canopen::first_stop(model_.node.motor));
+    } else if (control) {
       standstill_word_.reset();
     }
   }
@@ -176,9 +174,19 @@ void Commanded::on_standstill(std::string_view what) {
   if (!held || is_stop(*held) || is_edge(model_.signals[*control_], *held)) {
     return;
   }
-  standstill_word_ = first_stop_;
-  if (!standstill_word_) {
+  replace_repeated_control(canopen::first_stop(model_.node.motor));
+}
+
+void Commanded::on_stop(canopen::Raw control) {
+  void_control("a stop came");
+  replace_repeated_control(control);
+}
+
+void Commanded::replace_repeated_control(std::optional<canopen::Raw> stop) {
+  if (!stop) {
     end_repetition([](canopen::Raw) { return false; });
+  } else if (std::any_of(rpdos_.begin(), rpdos_.end(), [](const Rpdo& rpdo) { return rpdo.supervised; })) {
+    standstill_word_ = stop;
   }
 }
 
@@ -199,6 +207,11 @@ std::uint16_t Commanded::rpdo_of(SignalId signal) const noexcept {
                        [=](const MappedSignal& mapped) { return mapped.signal == signal; });
   });
   return found == rpdos_.end() ? std::uint16_t{0} : found->number;
+}
+
+bool Commanded::is_supervised(SignalId signal) const noexcept {
+  const Rpdo* rpdo = find(rpdo_of(signal));
+  return rpdo != nullptr && rpdo->supervised;
 }
 
 std::optional<std::vector<SignalId>> Commanded::missing(std::uint16_t rpdo, std::span<const Field> given) const {

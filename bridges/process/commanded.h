@@ -63,11 +63,15 @@ class Commanded {
   /// A supervised RPDO goes on with a stop: the drive would trip otherwise.
   void on_standstill(std::string_view what);
   void on_session_end(std::string_view what);
+  /// A stop is about to be sent: from now on what is repeated holds it, and no older control command counts.
+  void on_stop(canopen::Raw control);
 
   // RPDOs.
 
   /// The RPDO that maps the signal's object as commanded; 0: none.
   [[nodiscard]] std::uint16_t rpdo_of(SignalId signal) const noexcept;
+  /// The drive supervises the RPDO that maps it.
+  [[nodiscard]] bool is_supervised(SignalId signal) const noexcept;
   /// Each commanded field of the RPDO, the given ones over what counts; nothing where one is missing, or a given one
   /// does not belong to it.
   [[nodiscard]] std::optional<std::vector<canopen::ObjectValue>> values(std::uint16_t rpdo,
@@ -98,6 +102,7 @@ class Commanded {
   struct Rpdo {
     std::uint16_t number = 0;
     bool can_be_complete = true;  ///< None of its fields is unnamed.
+    bool supervised = false;      ///< By the drive: it is repeated.
     bool repeats = false;
     std::vector<MappedSignal> fields;
   };
@@ -112,11 +117,12 @@ class Commanded {
   template <class Keep>
   void end_repetition(Keep keep);
   void note_repetition(const Field& field, Rpdo& rpdo, bool by_this_rpdo);
+  /// What goes on being repeated after `control_command` became void.
+  void replace_repeated_control(std::optional<canopen::Raw> stop);
   [[nodiscard]] std::optional<canopen::Raw> control_held() const noexcept;
 
   const config::Drive& model_;
   std::optional<SignalId> control_;
-  std::optional<canopen::Raw> first_stop_;
   std::vector<Value> values_;  ///< By signal.
   std::vector<Rpdo> rpdos_;
   Epoch epoch_ = 0;
@@ -125,8 +131,5 @@ class Commanded {
   Epoch silenced_ = 0;                            ///< When repetition last had to end.
   std::optional<canopen::Raw> standstill_word_;  ///< Repeated in place of the control command that the drive holds.
 };
-
-/// The first exact stop value of the drive's profile; nothing where none is known.
-[[nodiscard]] std::optional<canopen::Raw> first_stop(const config::Drive& model) noexcept;
 
 }  // namespace process
