@@ -67,6 +67,12 @@ class RemoteNode {
   /// one that was made from what does not stand any more: `incomplete`.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
                                              StillStands still_stands = {});
+  /// SDO download of a stop (SdoClient::write_stop), whatever became of the node, as long as the bus is up. To one that
+  /// is not online, configured and operational it is sent once; where no answer comes: `offline` with outcome_unknown,
+  /// "sent, not confirmed". A boot that is under way goes on behind it.
+  boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// An SDO download of `object` is under way or went unanswered: the drive may carry it out behind an RPDO.
+  [[nodiscard]] bool may_still_act(ObjectAddress object) const noexcept { return sdo_.may_still_act(object); }
   /// Departure of an NMT command. Only `start` ends the refusal to start a drive that left operational; where the drive
   /// was not configured since, it is booted first, and the departure is that of the boot's NMT start; where it was left
   /// alone as it runs, it is looked at again first. `refused` with the reason where that ends in a letter. A boot that
