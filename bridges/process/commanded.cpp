@@ -9,7 +9,8 @@ namespace process {
 namespace {
 
 const Field* find_given(std::span<const Field> given, SignalId signal) noexcept {
-  const auto found = std::find_if(given.begin(), given.end(), [=](const Field& field) { return field.signal == signal; });
+  const auto found =
+      std::find_if(given.begin(), given.end(), [=](const Field& field) { return field.signal == signal; });
   return found == given.end() ? nullptr : &*found;
 }
 
@@ -90,7 +91,8 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
     const bool outlived = control ? control_void_.epoch > since : all_void_.epoch > since;
     value.shown = field.raw;
     value.held = all_void_.epoch > since ? std::nullopt : std::optional(field.raw);
-    value.counts = !outlived && (control_counts || !control) && !config::is_momentary(model_.signals[field.signal], field.raw);
+    value.counts =
+        !outlived && (control_counts || !control) && !config::is_momentary(model_.signals[field.signal], field.raw);
     value.confirmed = now;
     if (control && outlived && !is_stop(field.raw)) {
       replace_repeated_control(canopen::first_stop(model_.node.motor));
@@ -267,7 +269,8 @@ bool Commanded::is_stop(canopen::Raw control) const noexcept {
 }
 
 const Commanded::Rpdo* Commanded::find(std::uint16_t number) const noexcept {
-  const auto found = std::find_if(rpdos_.begin(), rpdos_.end(), [=](const Rpdo& rpdo) { return rpdo.number == number; });
+  const auto found =
+      std::find_if(rpdos_.begin(), rpdos_.end(), [=](const Rpdo& rpdo) { return rpdo.number == number; });
   return found == rpdos_.end() ? nullptr : &*found;
 }
 

@@ -128,7 +128,7 @@ class Commanded {
   Epoch epoch_ = 0;
   Voided control_void_;
   Voided all_void_;
-  Epoch silenced_ = 0;                            ///< When repetition last had to end.
+  Epoch silenced_ = 0;                           ///< When repetition last had to end.
   std::optional<canopen::Raw> standstill_word_;  ///< Repeated in place of the control command that the drive holds.
 };
 

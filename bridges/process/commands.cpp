@@ -21,9 +21,6 @@ using canopen::ErrorKind;
 using canopen::Raw;
 using canopen::Result;
 
-/// A command other than a stop is not begun with less time left, before any write of the drive was confirmed.
-constexpr canopen::Duration kUsualWrite = std::chrono::milliseconds(50);
-
 std::string milliseconds(canopen::Duration time) {
   return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) + " ms";
 }
@@ -59,9 +56,8 @@ awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields
   PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::write);
   const Result<std::vector<FieldWrite>> resolved = resolve(fields);
   take_fields(command, resolved.has_value() ? resolved.value() : fields);
-  command.relies_on_bits = std::any_of(fields.begin(), fields.end(), [](const FieldWrite& field) {
-    return std::holds_alternative<Mask>(field.value);
-  });
+  command.relies_on_bits = std::any_of(
+      fields.begin(), fields.end(), [](const FieldWrite& field) { return std::holds_alternative<Mask>(field.value); });
   Outcome outcome;
   if (std::optional<Error> refused = refuse_asker(command)) {
     outcome = *std::move(refused);
@@ -109,9 +105,8 @@ awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<
     co_return fields.error();
   }
   std::vector<Field> ordered = in_writing_order(model_, fields.value());
-  const bool unchanged = std::all_of(ordered.begin(), ordered.end(), [this](const Field& field) {
-    return commanded_.held(field.signal) == field.raw;
-  });
+  const bool unchanged = std::all_of(ordered.begin(), ordered.end(),
+                                     [this](const Field& field) { return commanded_.held(field.signal) == field.raw; });
   Outcome outcome = co_await carry_out(command, std::move(ordered));
   outcome.unchanged = unchanged && outcome.has_value();
   co_return outcome;
@@ -254,8 +249,8 @@ void Commands::take_fields(PendingCommand& command, std::span<const FieldWrite> 
 }
 
 ControlUse Commands::use_of(std::span<const FieldWrite> fields) const {
-  const auto control =
-      std::find_if(fields.rbegin(), fields.rend(), [this](const FieldWrite& field) { return commanded_.is_control(field.signal); });
+  const auto control = std::find_if(fields.rbegin(), fields.rend(),
+                                    [this](const FieldWrite& field) { return commanded_.is_control(field.signal); });
   if (control == fields.rend()) {
     return ControlUse::none;
   }
@@ -297,8 +292,7 @@ Result<std::vector<FieldWrite>> Commands::resolve(std::span<const FieldWrite> fi
 
 Result<std::vector<Field>> Commands::resolve_and_check(std::span<const FieldWrite> fields) const {
   const Result<std::vector<FieldWrite>> resolved = resolve(fields);
-  return resolved.has_value() ? check_fields(model_, resolved.value())
-                              : Result<std::vector<Field>>(resolved.error());
+  return resolved.has_value() ? check_fields(model_, resolved.value()) : Result<std::vector<Field>>(resolved.error());
 }
 
 Result<Raw> Commands::base_of_bits(SignalId signal) const {
@@ -370,10 +364,7 @@ Commands::Refusal Commands::refuse_waiting(const PendingCommand& command) const 
 
 Commands::Refusal Commands::refuse_for_time(const PendingCommand& command) const {
   const canopen::TimePoint now = canopen::Clock::now();
-  const std::size_t known = std::min(writes_confirmed_, kWritesRemembered);
-  const canopen::Duration longest =
-      known == 0 ? kUsualWrite : *std::max_element(write_times_.begin(), write_times_.begin() + static_cast<std::ptrdiff_t>(known));
-  const canopen::Duration needed = std::min(longest, model_.commands.deadline / 2);
+  const canopen::Duration needed = std::min(node_.write_time(), model_.commands.deadline / 2);
   const canopen::Duration left = command.deadline - now;
   if (left >= needed && left > canopen::Duration::zero()) {
     return std::nullopt;

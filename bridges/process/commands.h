@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
@@ -149,7 +148,7 @@ class Commands {
   boost::asio::awaitable<canopen::Result<void>> send_rpdo(PendingCommand& command, const WriteStep& step,
                                                           std::span<const Field> borrowed);
   boost::asio::awaitable<canopen::Result<void>> send_sdo(PendingCommand& command, const Field& field, bool as_stop);
-  void account(PendingCommand& command, const WriteStep& step, Commanded::Epoch since, canopen::TimePoint begun,
+  void account(PendingCommand& command, const WriteStep& step, Commanded::Epoch since,
                const canopen::Result<void>& result);
   void take_out(PendingCommand& command, std::vector<Field>& fields, std::span<const Field> written);
   [[nodiscard]] canopen::Error explain(canopen::Error error, SignalId signal) const;
@@ -203,9 +202,6 @@ class Commands {
   std::uint64_t arrivals_ = 0;
   std::uint64_t last_stop_ = 0;  ///< Number of the newest stop.
   std::string last_stop_text_;   ///< What it wrote.
-  static constexpr std::size_t kWritesRemembered = 16;
-  std::array<canopen::Duration, kWritesRemembered> write_times_{};  ///< Of the newest confirmed writes.
-  std::size_t writes_confirmed_ = 0;
   std::uint32_t last_refused_abort_ = 0;
   std::size_t last_written_ = 0;
 };

@@ -94,11 +94,10 @@ awaitable<Result<void>> Commands::send_rpdo(PendingCommand& command, const Write
   const bool stops = command.use == ControlUse::stop;
   const Commanded::Epoch since = commanded_.epoch();
   command.carries_control = control_signal_ && commanded_.rpdo_of(*control_signal_) == step.rpdo;
-  const auto begun = canopen::Clock::now();
   const Result<void> left = co_await node_.send_rpdo(
       step.rpdo, *std::move(values), stops ? canopen::TransmitClass::stop : canopen::TransmitClass::command,
       command.deadline);
-  account(command, step, since, begun, left);
+  account(command, step, since, left);
   co_return left;
 }
 
@@ -107,7 +106,6 @@ awaitable<Result<void>> Commands::send_sdo(PendingCommand& command, const Field&
   const config::Signal& signal = model_.signals[field.signal];
   const Commanded::Epoch since = commanded_.epoch();
   command.carries_control = commanded_.is_control(field.signal);
-  const auto begun = canopen::Clock::now();
   node_.hold_repetition(signal.object);
   Result<void> written = Error{};
   if (as_stop) {
@@ -115,14 +113,14 @@ awaitable<Result<void>> Commands::send_sdo(PendingCommand& command, const Field&
   } else {
     written = co_await node_.write(signal.object, signal.type, field.raw, command.deadline);
   }
-  account(command, step, since, begun, written);
+  account(command, step, since, written);
   node_.refresh_repetition(signal.object);
   co_return written;
 }
 
 /// What a step has left behind.
 void Commands::account(PendingCommand& command, const WriteStep& step, Commanded::Epoch since,
-                       canopen::TimePoint begun, const Result<void>& result) {
+                       const Result<void>& result) {
   const canopen::TimePoint now = canopen::Clock::now();
   if (result.has_error()) {
     if (!left_unchanged(result.error())) {
@@ -131,7 +129,6 @@ void Commands::account(PendingCommand& command, const WriteStep& step, Commanded
     }
     return;
   }
-  write_times_[writes_confirmed_++ % kWritesRemembered] = now - begun;
   commanded_.confirm(step.fields, step.rpdo, since, running().has_value(), now);
   node_.repetition_changed();
   for (const Field& field : step.fields) {

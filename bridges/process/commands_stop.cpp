@@ -91,9 +91,9 @@ void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
   last_stop_ = stop.number;
   last_stop_text_ = "control_command " + std::to_string(raw) + " of " + to_string(stop.record.writer);
   for (PendingCommand* older : stops_.all()) {
-    const bool equal = std::any_of(older->record.fields.begin(), older->record.fields.end(), [&](const FieldRecord& field) {
-      return commanded_.is_control(field.signal) && field.asked == raw;
-    });
+    const bool equal = std::any_of(
+        older->record.fields.begin(), older->record.fields.end(),
+        [&](const FieldRecord& field) { return commanded_.is_control(field.signal) && field.asked == raw; });
     // One that waits for its turn is done by the newer one.
     if (!older->begun && equal && older->record.fields.size() == 1) {
       older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);

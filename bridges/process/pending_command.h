@@ -27,10 +27,10 @@ struct PendingCommand {
   bool passes_lease = false;     ///< What a time-out writes.
   bool relies_on_bits = false;   ///< It changes some bits of what stands: it supersedes nothing.
 
-  bool begun = false;             ///< It has its turn.
-  bool noted = false;             ///< Its begin stands in the journal.
-  bool carries_control = false;   ///< So does its step under way.
-  bool withdrawn = false;         ///< Its step under way was called back, to be looked at again.
+  bool begun = false;                     ///< It has its turn.
+  bool noted = false;                     ///< Its begin stands in the journal.
+  bool carries_control = false;           ///< So does its step under way.
+  bool withdrawn = false;                 ///< Its step under way was called back, to be looked at again.
   std::optional<canopen::Error> ended{};  ///< It is not to be begun any more.
 
   std::size_t written = 0;      ///< Fields confirmed.

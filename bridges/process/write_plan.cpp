@@ -70,9 +70,8 @@ WriteStep next_step(const Commanded& commanded, std::span<const Field> remaining
     if (step.fields.empty()) {
       step = {0, {field}};
     }
-    const bool writes_control = std::any_of(step.fields.begin(), step.fields.end(), [&](const Field& each) {
-      return commanded.is_control(each.signal);
-    });
+    const bool writes_control = std::any_of(step.fields.begin(), step.fields.end(),
+                                            [&](const Field& each) { return commanded.is_control(each.signal); });
     if (!writes_control) {
       return step;
     }

@@ -49,8 +49,8 @@ Outputs::Outputs(const boost::asio::any_io_executor& executor, Bus& bus, std::ui
 
 boost::asio::awaitable<Result<void>> Outputs::send(std::uint16_t number, Values values, TransmitClass transmit_class,
                                                    TimePoint deadline) {
-  const auto entry = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const Entry& each) { return each.settings.number == number; });
+  const auto entry =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.settings.number == number; });
   if (entry == entries_.end()) {
     co_return error(ErrorKind::unknown, "no RPDO" + std::to_string(number));
   }

@@ -33,8 +33,8 @@ class Outputs {
   using Image = std::function<std::optional<Values>(std::uint16_t number)>;
 
   /// `bus` outlives it.
-  Outputs(const boost::asio::any_io_executor& executor, Bus& bus, std::uint8_t node,
-          std::span<const PdoSettings> rpdos, Image image);
+  Outputs(const boost::asio::any_io_executor& executor, Bus& bus, std::uint8_t node, std::span<const PdoSettings> rpdos,
+          Image image);
 
   /// Confirmed by its departure; from then on it is repeated where the image says so. `values` has each commanded field
   /// of it and nothing else, or it is `incomplete`: no field ever carries a value that nobody gave. While it waits, no

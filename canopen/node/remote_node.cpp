@@ -75,6 +75,7 @@ boost::asio::awaitable<void> RemoteNode::stop() {
   subscriptions_.clear();
   watch_.suspend();
   end_life();
+  sdo_.close();
   withdraw_nmt(NmtGroup::all);
   status_.online = false;
   settle_start_requests(offline_error({}, "removed while it was booted"));
