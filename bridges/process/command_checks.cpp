@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/process/value_check.h"
+#include "config/value_check.h"
 
 namespace process {
 namespace {
