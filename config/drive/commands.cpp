@@ -19,13 +19,13 @@ std::string known_stops(const canopen::MotorSigns& motor) {
     return "no stop of this drive is known";
   }
   std::string all;
+  bool masks = false;
   const Raw width = ~Raw{0} >> (64U - canopen::bit_length(motor.control_type));
   for (const canopen::StopWord& stop : motor.stops) {
-    if (stop.mask == width) {
-      all += (all.empty() ? "stops are " : ", ") + to_hex(stop.equals);
-    }
+    masks = masks || stop.mask != width;
+    all += stop.mask == width ? (all.empty() ? "stops are " : ", ") + to_hex(stop.equals) : "";
   }
-  return all.empty() ? "see its stop_masks" : all;
+  return all + (masks ? std::string(all.empty() ? "stops are" : " and") + " those of its stop_masks" : "");
 }
 
 /// The `values` of a timeout, each checked as a command is.
