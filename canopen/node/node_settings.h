@@ -46,8 +46,9 @@ struct PdoSettings {
   std::optional<std::uint8_t> transmission_type{};  ///< Nothing: left as the drive has it.
   std::optional<std::uint16_t> inhibit_time{};      ///< Sub 3 as the device counts it (CiA 301: 100 us).
   std::optional<std::uint16_t> event_timer{};       ///< Sub 5 in ms.
-  bool event_timer_required = false;                ///< RPDO: it counts on the event timer being there.
-  std::vector<MappedObject> mapping{};              ///< At most 64 bits in all.
+  /// RPDO: somebody relies on it, so it must be written (whatever `communication` says, but for verify) and read back.
+  bool event_timer_required = false;
+  std::vector<MappedObject> mapping{};  ///< At most 64 bits in all.
   /// TPDO: how often it comes (event timer or n SYNCs); zero: on change. Freshness hangs on it.
   Duration period{};
   /// TPDO on change: two never come closer to each other (its inhibit time); zero: no such limit is known.
