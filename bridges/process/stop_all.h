@@ -2,8 +2,6 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "bridges/process/command.h"
@@ -12,23 +10,16 @@
 
 namespace process {
 
-/// What became of one stop for all drives.
-struct StoppedAll {
-  struct Missed {
-    std::string drive;
-    canopen::Error error;
-  };
-
-  std::size_t asked = 0;         ///< Drives in service that take commands of this writer.
-  std::vector<Missed> missed{};  ///< Those that did not confirm, or have no stop value; in the order of the plant.
-
-  /// One outcome for all: confirmed where each drive confirmed it, and at least one was asked; else the kind of the
-  /// first that did not, with all of them named.
-  [[nodiscard]] Outcome outcome() const;
+/// A drive that a stop for all did not stop, as far as anybody knows.
+struct NotStopped {
+  std::size_t drive = 0;  ///< Position in the plant.
+  canopen::Error error;   ///< `unknown` where no stop value of it is known.
 };
 
-/// Stops every drive that takes commands of this writer by the first stop value of its profile, all at once. Returns
-/// when the last one is answered. `plant` outlives it.
-boost::asio::awaitable<StoppedAll> stop_all(Plant& plant, Origin origin);
+/// One stop for all: the first stop value of its profile to every drive in service that takes commands of this writer,
+/// to all of them at once. Returns when each has answered, at the latest after the longest of their deadlines. Tells
+/// those that did not confirm; drives that do not name the writer are left alone and not told. `plant` outlives the
+/// call.
+[[nodiscard]] boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin origin);
 
 }  // namespace process
