@@ -112,6 +112,10 @@ std::string_view name_of(ErrorKind kind) noexcept {
       return "expired";
     case ErrorKind::duplicate:
       return "duplicate";
+    case ErrorKind::superseded:
+      return "superseded";
+    case ErrorKind::voided:
+      return "void";
     case ErrorKind::protocol:
       return "protocol";
   }

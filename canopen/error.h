@@ -24,6 +24,8 @@ enum class ErrorKind : std::uint8_t {
   retained,    ///< A retained command is never carried out.
   expired,     ///< Its message expiry or deadline passed before it began.
   duplicate,   ///< The same command again.
+  superseded,  ///< A later command, or a stop, came first; never sent.
+  voided,      ///< What was commanded before became void while it waited; never sent.
   protocol     ///< The drive's answer makes no sense (wrong length, toggle, command specifier).
 };
 

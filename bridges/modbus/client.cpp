@@ -96,8 +96,8 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
 
 awaitable<void> Client::carry_out(std::uint8_t unit) {
   commanding_ = true;
-  process::Writer writer{.way = process::Writer::Way::modbus, .address = address_};
-  answer_.exception = co_await units_.write(unit, answer_.request, std::move(writer));
+  process::Origin origin{.writer = {.way = process::Writer::Way::modbus, .address = address_}};
+  answer_.exception = co_await units_.write(unit, answer_.request, std::move(origin));
   commanding_ = false;
   active_ = canopen::Clock::now();
   if (answer_.request.reads() && !answer_.exception) {

@@ -175,7 +175,7 @@ WritePlan DriveUnit::plan(const Request& request, std::span<const std::uint8_t> 
   return request.of_bits() ? plan_bits(table_, request.write, bytes) : plan_registers(table_, request.write, bytes);
 }
 
-boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Writer writer) {
+boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Origin origin) {
   std::array<std::uint8_t, 2> mask_result{};
   std::span<const std::uint8_t> bytes = request.values;
   process::StillStands still_stands;
@@ -192,7 +192,7 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
   }
   if (!request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1}) {
     const auto number = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
-    const std::optional<Exception> refused = co_await write_nmt(number, std::move(writer));
+    const std::optional<Exception> refused = co_await write_nmt(number, std::move(origin));
     co_return refused;
   }
   WritePlan planned = plan(request, bytes);
@@ -201,16 +201,16 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
   }
   auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
   const std::optional<Exception> refused =
-      co_await write_fields(std::move(fields), std::move(writer), std::move(still_stands));
+      co_await write_fields(std::move(fields), std::move(origin), std::move(still_stands));
   co_return refused;
 }
 
-boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint16_t number, process::Writer writer) {
+boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint16_t number, process::Origin origin) {
   const auto command = canopen::nmt_command_of(number);
   if (!command) {
     co_return Exception::illegal_value;
   }
-  const process::Outcome outcome = co_await drive().nmt(std::move(writer), *command);
+  const process::Outcome outcome = co_await drive().nmt(std::move(origin), *command);
   if (outcome.has_error()) {
     co_return exception_of(outcome.error());
   }
@@ -219,10 +219,10 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint1
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_fields(std::vector<process::FieldWrite> fields,
-                                                                         process::Writer writer,
+                                                                         process::Origin origin,
                                                                          process::StillStands still_stands) {
   const process::Outcome outcome =
-      co_await drive().write(std::move(writer), std::move(fields), std::move(still_stands));
+      co_await drive().write(std::move(origin), std::move(fields), std::move(still_stands));
   if (outcome.has_value()) {
     co_return std::nullopt;
   }

@@ -37,7 +37,7 @@ class DriveUnit {
   [[nodiscard]] std::optional<Exception> read_bits(Range range, canopen::TimePoint now,
                                                    std::span<std::uint8_t> out) const;
   /// Nothing: confirmed. What request.values points to outlives the call.
-  [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Writer writer);
+  [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
 
  private:
   [[nodiscard]] process::Drive& drive() const { return plant_.drive(index_); }
@@ -48,9 +48,9 @@ class DriveUnit {
   [[nodiscard]] std::variant<std::uint16_t, Exception> masked_word(const Request& request,
                                                                    canopen::TimePoint now) const;
   [[nodiscard]] WritePlan plan(const Request& request, std::span<const std::uint8_t> bytes) const;
-  boost::asio::awaitable<std::optional<Exception>> write_nmt(std::uint16_t number, process::Writer writer);
+  boost::asio::awaitable<std::optional<Exception>> write_nmt(std::uint16_t number, process::Origin origin);
   boost::asio::awaitable<std::optional<Exception>> write_fields(std::vector<process::FieldWrite> fields,
-                                                                process::Writer writer,
+                                                                process::Origin origin,
                                                                 process::StillStands still_stands);
 
   process::Plant& plant_;

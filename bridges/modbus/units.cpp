@@ -29,11 +29,11 @@ std::optional<Exception> Units::read(std::uint8_t unit, const Request& request, 
 }
 
 boost::asio::awaitable<std::optional<Exception>> Units::write(std::uint8_t unit, Request request,
-                                                              process::Writer writer) {
+                                                              process::Origin origin) {
   if (is_gateway(unit)) {
     co_return Exception::illegal_address;
   }
-  const std::optional<Exception> refused = co_await by_id_[unit]->write(request, std::move(writer));
+  const std::optional<Exception> refused = co_await by_id_[unit]->write(request, std::move(origin));
   co_return refused;
 }
 

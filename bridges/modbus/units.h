@@ -29,7 +29,7 @@ class Units {
                                               Snapshot& into) const;
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
-                                                                       process::Writer writer);
+                                                                       process::Origin origin);
 
   [[nodiscard]] GatewayUnit& gateway() noexcept { return gateway_; }
   /// Null where the drive is not on Modbus.

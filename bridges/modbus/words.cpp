@@ -63,9 +63,8 @@ void put_value(const config::Signal& signal, canopen::Raw raw, config::WordOrder
   put_words(canopen::normalise(signal.type, raw), order, out);
 }
 
-std::optional<std::variant<canopen::Raw, double>> value_of(const config::Signal& signal,
-                                                           std::span<const std::uint8_t> bytes,
-                                                           config::WordOrder order) noexcept {
+std::optional<process::GivenValue> value_of(const config::Signal& signal, std::span<const std::uint8_t> bytes,
+                                            config::WordOrder order) noexcept {
   const std::uint64_t joined = join_words(bytes, order);
   if (signal.modbus.as_float) {
     return shortest(std::bit_cast<float>(static_cast<std::uint32_t>(joined)));

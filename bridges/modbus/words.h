@@ -5,6 +5,7 @@
 #include <span>
 #include <variant>
 
+#include "bridges/process/command.h"
 #include "canopen/object.h"
 #include "config/model.h"
 
@@ -22,8 +23,8 @@ void put_value(const config::Signal& signal, canopen::Raw raw, config::WordOrder
 
 /// What a client wrote: `bytes` are two per register, high byte first. A raw value, or with `as_float` a number in
 /// engineering units. Nothing where the signal's type cannot hold the value.
-[[nodiscard]] std::optional<std::variant<canopen::Raw, double>> value_of(const config::Signal& signal,
-                                                                         std::span<const std::uint8_t> bytes,
-                                                                         config::WordOrder order) noexcept;
+[[nodiscard]] std::optional<process::GivenValue> value_of(const config::Signal& signal,
+                                                          std::span<const std::uint8_t> bytes,
+                                                          config::WordOrder order) noexcept;
 
 }  // namespace modbus

@@ -57,7 +57,7 @@ Message answer(const ReplyTo& to, std::string payload) {
 
 }  // namespace
 
-Message command_answer(const ReplyTo& to, const canopen::Result<void>& outcome) {
+Message command_answer(const ReplyTo& to, const process::Outcome& outcome) {
   std::string payload;
   ObjectText object(payload);
   object.boolean("ok", outcome.has_value());

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bridges/mqtt/message.h"
+#include "bridges/process/command.h"
 #include "canopen/error.h"
 #include "canopen/object.h"
 
@@ -18,7 +19,7 @@ struct ReplyTo {
 };
 
 /// `{"ok":true,"topic":"…","id":"a1"}` or `{"ok":false,"code":"range","error":"…","topic":"…"}`.
-[[nodiscard]] Message command_answer(const ReplyTo& to, const canopen::Result<void>& outcome);
+[[nodiscard]] Message command_answer(const ReplyTo& to, const process::Outcome& outcome);
 
 /// `{"id":"7","ok":true,"value":0}`; the value of a write is left out. `type` is that of the value.
 [[nodiscard]] Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,

@@ -97,20 +97,20 @@ bool is_boolean(const config::Signal& signal) {
   return signal.derived.has_value() || signal.type == canopen::DataType::boolean;
 }
 
-Result<std::variant<Raw, double>> number_for(const config::Signal& signal, const std::string& text) {
+Result<process::GivenValue> number_for(const config::Signal& signal, const std::string& text) {
   if (signal.scale == 1.0) {
     if (const auto exact = exact_integer(signal.type, text)) {
       if (exact->has_error()) {
         return exact->error();
       }
-      return std::variant<Raw, double>(exact->value());
+      return process::GivenValue(exact->value());
     }
   }
   const Result<double> number = number_of(text);
   if (number.has_error()) {
     return number.error();
   }
-  return std::variant<Raw, double>(number.value());
+  return process::GivenValue(number.value());
 }
 
 Result<Raw> raw_of(canopen::DataType type, const Scalar& value) {
@@ -201,7 +201,7 @@ Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t pos
     case Scalar::Kind::number:
       break;
   }
-  Result<std::variant<Raw, double>> number = number_for(signal, value.text);
+  Result<process::GivenValue> number = number_for(signal, value.text);
   if (number.has_error()) {
     Error error = number.error();
     error.detail = signal.name + ": " + error.detail;

@@ -41,7 +41,13 @@ struct UnderWay {
 
 namespace {
 
-const process::Writer kWriter{process::Writer::Way::mqtt, {}};
+process::Origin origin_of(const Incoming& incoming) {
+  process::Origin origin{.writer = {.way = process::Writer::Way::mqtt, .address = {}}, .received = incoming.received};
+  if (incoming.expiry) {
+    origin.expires = incoming.received + std::chrono::seconds(*incoming.expiry);
+  }
+  return origin;
+}
 
 bool is_sdo(const Route& route) {
   return route.kind == Route::Kind::sdo;
@@ -58,14 +64,14 @@ Message refusal(const Route& route, const ReplyTo& to, const Error& error) {
 
 // Free functions, their parameters by value: what a coroutine refers to lives in its frame, or longer than it.
 boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          std::vector<process::FieldWrite> fields, ReplyTo to) {
-  const process::Outcome outcome = co_await drive.write(kWriter, std::move(fields));
+                                          process::Origin origin, std::vector<process::FieldWrite> fields, ReplyTo to) {
+  const process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields));
   under_way->send(command_answer(to, outcome));
 }
 
 boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                      canopen::NmtCommand nmt, ReplyTo to) {
-  const process::Outcome outcome = co_await drive.nmt(kWriter, nmt);
+                                      process::Origin origin, canopen::NmtCommand nmt, ReplyTo to) {
+  const process::Outcome outcome = co_await drive.nmt(std::move(origin), nmt);
   under_way->send(command_answer(to, outcome));
 }
 
@@ -80,9 +86,9 @@ boost::asio::awaitable<void> read_object(std::shared_ptr<UnderWay> under_way, pr
 }
 
 boost::asio::awaitable<void> write_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          SdoRequest request, ReplyTo to) {
+                                          process::Origin origin, SdoRequest request, ReplyTo to) {
   const canopen::ObjectValue value{request.object, request.type, *request.value};
-  const process::Outcome written = co_await drive.sdo_write(kWriter, value);
+  const process::Outcome written = co_await drive.sdo_write(std::move(origin), value);
   if (written.has_error()) {
     under_way->send(sdo_answer(to, written.error(), request.type));
   } else {
@@ -207,7 +213,8 @@ Result<void> Requests::begin_set(const Incoming& incoming, const Command& comman
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    spawn(*command.drive, write_fields(under_way_, *command.drive, std::move(fields.value()), command.to));
+    spawn(*command.drive,
+          write_fields(under_way_, *command.drive, origin_of(incoming), std::move(fields.value()), command.to));
   }
   return checked;
 }
@@ -219,7 +226,7 @@ Result<void> Requests::begin_nmt(const Incoming& incoming, const Command& comman
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    spawn(*command.drive, send_nmt(under_way_, *command.drive, nmt.value(), command.to));
+    spawn(*command.drive, send_nmt(under_way_, *command.drive, origin_of(incoming), nmt.value(), command.to));
   }
   return checked;
 }
@@ -238,7 +245,7 @@ Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& comman
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    spawn(*command.drive, write_object(under_way_, *command.drive, request.value(), command.to));
+    spawn(*command.drive, write_object(under_way_, *command.drive, origin_of(incoming), request.value(), command.to));
   }
   return checked;
 }

@@ -41,6 +41,10 @@ Answer answer_of(canopen::ErrorKind kind) noexcept {
       return {kTargetDoesNotRespond, "expired"};
     case ErrorKind::duplicate:
       return {kIllegalValue, "duplicate"};
+    case ErrorKind::superseded:
+      return {kDeviceFailure, "superseded"};
+    case ErrorKind::voided:
+      return {kDeviceFailure, "void"};
     case ErrorKind::protocol:
       // An answer that makes no sense confirms nothing, as if none had come.
       return {kTargetDoesNotRespond, "timeout"};

@@ -33,13 +33,24 @@ bool is_writable(const config::Signal& signal) {
   return config::writable(signal.access) && !signal.derived;
 }
 
+// Bits alone are no value; the arbiter has made one of them before.
+Result<canopen::Raw> check_given(const config::Signal& signal, const FieldWrite& write) {
+  if (const auto* raw = std::get_if<canopen::Raw>(&write.value)) {
+    return check_value(signal, *raw);
+  }
+  if (const auto* number = std::get_if<double>(&write.value)) {
+    return check_value(signal, *number);
+  }
+  return canopen::Error{.kind = ErrorKind::incomplete, .detail = "nobody commanded the bits to be kept"};
+}
+
 Result<Field> check_field(const config::Drive& model, const FieldWrite& write) {
   if (write.signal >= model.signals.size()) {
     return command_error(model, ErrorKind::unknown, "no such signal");
   }
   const config::Signal& signal = model.signals[write.signal];
   Result<canopen::Raw> raw =
-      is_writable(signal) ? check_value(signal, write.value)
+      is_writable(signal) ? check_given(signal, write)
                           : Result<canopen::Raw>(command_error(model, ErrorKind::read_only, "cannot be written"));
   if (raw.has_value()) {
     return Field{write.signal, raw.value()};

@@ -34,9 +34,9 @@ Commands::Commands(boost::asio::any_io_executor executor, const config::Drive& m
       queue_(std::move(executor)),
       sender_(model, node) {}
 
-awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands) {
+awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields, StillStands still_stands) {
   const Arrival arrival = arrive();
-  if (std::optional<Error> refused = refuse_writer(model_, writer)) {
+  if (std::optional<Error> refused = refuse_writer(model_, origin.writer)) {
     co_return *std::move(refused);
   }
   Result<std::vector<Field>> checked = check_fields(model_, fields);
@@ -56,9 +56,9 @@ awaitable<Outcome> Commands::write(Writer writer, std::vector<FieldWrite> fields
   co_return outcome;
 }
 
-awaitable<Outcome> Commands::nmt(Writer writer, canopen::NmtCommand command) {
+awaitable<Outcome> Commands::nmt(Origin origin, canopen::NmtCommand command) {
   const Arrival arrival = arrive();
-  if (std::optional<Error> refused = refuse_writer(model_, writer)) {
+  if (std::optional<Error> refused = refuse_writer(model_, origin.writer)) {
     co_return *std::move(refused);
   }
   if (queue_.closed()) {
@@ -92,7 +92,7 @@ awaitable<Result<canopen::Raw>> Commands::sdo_read(canopen::ObjectAddress object
   co_return answer;
 }
 
-awaitable<Outcome> Commands::sdo_write(Writer writer, canopen::ObjectValue value) {
+awaitable<Outcome> Commands::sdo_write(Origin origin, canopen::ObjectValue value) {
   const Arrival arrival = arrive();
   if (const std::optional<SignalId> signal = writable_signal(model_, value.object)) {
     const canopen::DataType type = model_.signals[*signal].type;
@@ -102,10 +102,10 @@ awaitable<Outcome> Commands::sdo_write(Writer writer, canopen::ObjectValue value
       co_return wrong;
     }
     std::vector<FieldWrite> fields{{*signal, canopen::normalise(type, value.raw)}};
-    Outcome outcome = co_await write(std::move(writer), std::move(fields));
+    Outcome outcome = co_await write(std::move(origin), std::move(fields));
     co_return outcome;
   }
-  std::optional<Error> refused = refuse_writer(model_, writer);
+  std::optional<Error> refused = refuse_writer(model_, origin.writer);
   if (!refused) {
     refused = refuse_raw(model_, value.object);
   }

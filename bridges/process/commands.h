@@ -41,10 +41,10 @@ class Commands {
   Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node, Image& image,
            Told confirmed, Told unknown);
 
-  boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands = {});
-  boost::asio::awaitable<Outcome> nmt(Writer writer, canopen::NmtCommand command);
+  boost::asio::awaitable<Outcome> write(Origin origin, std::vector<FieldWrite> fields, StillStands still_stands = {});
+  boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command);
   boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object, canopen::DataType type);
-  boost::asio::awaitable<Outcome> sdo_write(Writer writer, canopen::ObjectValue value);
+  boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value);
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();

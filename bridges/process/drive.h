@@ -59,11 +59,11 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
 
   /// Writes signals, checked altogether before anything is sent (writer, access, type, range, drive reachable), then by
   /// RPDO or SDO. Confirmed when it returns a value. The error's detail names what was already written.
-  boost::asio::awaitable<Outcome> write(Writer writer, std::vector<FieldWrite> fields, StillStands still_stands = {}) {
-    return commands_.write(std::move(writer), std::move(fields), std::move(still_stands));
+  boost::asio::awaitable<Outcome> write(Origin origin, std::vector<FieldWrite> fields, StillStands still_stands = {}) {
+    return commands_.write(std::move(origin), std::move(fields), std::move(still_stands));
   }
-  boost::asio::awaitable<Outcome> nmt(Writer writer, canopen::NmtCommand command) {
-    return commands_.nmt(std::move(writer), command);
+  boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command) {
+    return commands_.nmt(std::move(origin), command);
   }
   /// Any object. A read needs no writer's permission; a write of an object that is no writable signal needs `raw`, and
   /// one that is goes the signal's way with its limits.
@@ -71,8 +71,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
                                                                  canopen::DataType type) {
     return commands_.sdo_read(object, type);
   }
-  boost::asio::awaitable<Outcome> sdo_write(Writer writer, canopen::ObjectValue value) {
-    return commands_.sdo_write(std::move(writer), value);
+  boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value) {
+    return commands_.sdo_write(std::move(origin), value);
   }
 
   /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was

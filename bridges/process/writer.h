@@ -10,7 +10,10 @@ struct Writer {
   enum class Way : std::uint8_t { modbus, mqtt, local };
   Way way = Way::local;
   std::string address;  ///< Of the Modbus client, without its port; empty otherwise.
-  friend bool operator==(const Writer&, const Writer&) = default;
+  std::string user{};   ///< Of the local command, by the kernel's word; empty otherwise.
+
+  /// Whoever comes by the local way is one writer.
+  friend bool operator==(const Writer& a, const Writer& b) noexcept { return a.way == b.way && a.address == b.address; }
 };
 
 /// `modbus 192.0.2.7`, `mqtt`, `local`

@@ -23,10 +23,10 @@ canopen::Result<process::FieldWrite> set(std::size_t signal, std::string_view pa
   return field_of(kPump, signal, parsed.members.value().front().second);
 }
 
-std::variant<Raw, double> value_of(std::size_t signal, std::string_view payload) {
+process::GivenValue value_of(std::size_t signal, std::string_view payload) {
   const auto field = set(signal, payload);
   EXPECT_TRUE(field.has_value()) << payload << ": " << (field.has_error() ? field.error().detail : "");
-  return field.has_value() ? field.value().value : std::variant<Raw, double>(-1.0);
+  return field.has_value() ? field.value().value : process::GivenValue(-1.0);
 }
 
 ErrorKind error_of(std::size_t signal, std::string_view payload) {
@@ -35,7 +35,7 @@ ErrorKind error_of(std::size_t signal, std::string_view payload) {
   return field.has_error() ? field.error().kind : ErrorKind::protocol;
 }
 
-using Value = std::variant<Raw, double>;
+using Value = process::GivenValue;
 
 TEST(Command, NumbersAreEngineeringUnits) {
   EXPECT_EQ(value_of(test::kFrequencyCommand, "49.97"), Value(49.97));

@@ -20,10 +20,10 @@ TEST_F(CommandsTest, EachWayNeedsItsPermission) {
   expect_refused(sdo_write_now({{0x2002, 3}, DataType::u16, 1}), ErrorKind::forbidden);
   expect_silence();
   const auto by_mqtt =
-      support::spawn(loop_.executor(), drive_->write(writer(Writer::Way::mqtt), {field("frequency_command", 10.0)}));
+      support::spawn(loop_.executor(), drive_->write(origin(Writer::Way::mqtt), {field("frequency_command", 10.0)}));
   EXPECT_TRUE(finish(by_mqtt).has_value());
   const auto by_local =
-      support::spawn(loop_.executor(), drive_->write(writer(Writer::Way::local), {field("frequency_command", 10.0)}));
+      support::spawn(loop_.executor(), drive_->write(origin(Writer::Way::local), {field("frequency_command", 10.0)}));
   expect_refused(finish(by_local), ErrorKind::forbidden);
 }
 
@@ -124,7 +124,7 @@ TEST_F(CommandsTest, NmtBehindARunCommandSeesTheMotorRun) {
   bring_online();
   slave_.delay_answers(100ms);
   const auto run_command = write({field("control_command", Raw{1})});
-  const auto stop_node = support::spawn(loop_.executor(), drive_->nmt(writer(), NmtCommand::stop));
+  const auto stop_node = support::spawn(loop_.executor(), drive_->nmt(origin(), NmtCommand::stop));
   run(50ms);
   show(test::kRunningBit);
   ASSERT_TRUE(finish(run_command, 300ms).has_value());

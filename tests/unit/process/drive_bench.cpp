@@ -86,7 +86,7 @@ void DriveBench::bring_online() {
 }
 
 support::Spawned<Outcome> DriveBench::write(std::vector<FieldWrite> fields) {
-  return support::spawn(loop_.executor(), drive_->write(writer(), std::move(fields)));
+  return support::spawn(loop_.executor(), drive_->write(origin(), std::move(fields)));
 }
 
 Outcome DriveBench::finish(const support::Spawned<Outcome>& under_way, Duration time) {
@@ -102,11 +102,11 @@ Outcome DriveBench::write_now(std::vector<FieldWrite> fields) {
 }
 
 Outcome DriveBench::nmt_now(canopen::NmtCommand command) {
-  return finish(support::spawn(loop_.executor(), drive_->nmt(writer(), command)));
+  return finish(support::spawn(loop_.executor(), drive_->nmt(origin(), command)));
 }
 
 Outcome DriveBench::sdo_write_now(canopen::ObjectValue value) {
-  return finish(support::spawn(loop_.executor(), drive_->sdo_write(writer(), value)));
+  return finish(support::spawn(loop_.executor(), drive_->sdo_write(origin(), value)));
 }
 
 Outcome DriveBench::write_all(Raw control, double frequency, double torque) {

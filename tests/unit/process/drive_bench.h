@@ -71,11 +71,11 @@ class DriveBench : public testing::Test {
   void bring_online();
 
   [[nodiscard]] SignalId signal(std::string_view name) const { return test::id(model_, name); }
-  [[nodiscard]] FieldWrite field(std::string_view name, std::variant<Raw, double> value) const {
+  [[nodiscard]] FieldWrite field(std::string_view name, GivenValue value) const {
     return {signal(name), value};
   }
-  static Writer writer(Writer::Way way = Writer::Way::modbus) {
-    return {way, way == Writer::Way::modbus ? "192.0.2.7" : ""};
+  static Origin origin(Writer::Way way = Writer::Way::modbus) {
+    return {.writer = {.way = way, .address = way == Writer::Way::modbus ? "192.0.2.7" : ""}};
   }
 
   support::Spawned<Outcome> write(std::vector<FieldWrite> fields);

@@ -138,7 +138,7 @@ TEST_F(CommandsTest, LeavingOperationalMakesEarlierCommandsVoid) {
   slave_.set_state(127);
   run(600ms);
   ASSERT_EQ(drive_->status().nmt, canopen::NmtState::pre_operational);
-  static_cast<void>(support::spawn(loop_.executor(), drive_->nmt(writer(), NmtCommand::start)));
+  static_cast<void>(support::spawn(loop_.executor(), drive_->nmt(origin(), NmtCommand::start)));
   run(4s);
   ASSERT_EQ(drive_->status().nmt, canopen::NmtState::operational);
   EXPECT_TRUE(rpdos().empty());
