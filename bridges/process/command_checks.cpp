@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "bridges/process/value_check.h"
+#include "config/value_check.h"
 
 namespace process {
 namespace {

@@ -1,4 +1,4 @@
-#include "bridges/process/value_check.h"
+#include "config/value_check.h"
 
 #include <gtest/gtest.h>
 
@@ -7,17 +7,18 @@
 #include <limits>
 #include <optional>
 
-#include "tests/unit/process/test_drive.h"
-
-namespace process {
+namespace config {
 namespace {
 
 using canopen::DataType;
 using canopen::ErrorKind;
 using canopen::Raw;
 
-config::Signal signal(DataType type, double scale, std::optional<double> min = {}, std::optional<double> max = {}) {
-  config::Signal signal = test::word("x", test::kFrequency, type, {config::SourceKind::rpdo, 1}, config::Access::write);
+Signal signal(DataType type, double scale, std::optional<double> min = {}, std::optional<double> max = {}) {
+  Signal signal;
+  signal.name = "x";
+  signal.type = type;
+  signal.access = Access::write;
   signal.scale = scale;
   signal.decimals = scale == 0.01 ? 2 : (scale == 0.1 ? 1 : 0);
   signal.min = min;
@@ -25,15 +26,15 @@ config::Signal signal(DataType type, double scale, std::optional<double> min = {
   return signal;
 }
 
-const config::Signal kFrequency = signal(DataType::u16, 0.01, 0.0, 50.0);
-const config::Signal kTorque = signal(DataType::i16, 0.1, -150.0, 150.0);
+const Signal kFrequency = signal(DataType::u16, 0.01, 0.0, 50.0);
+const Signal kTorque = signal(DataType::i16, 0.1, -150.0, 150.0);
 
-std::optional<Raw> accepted(const config::Signal& signal, double value) {
+std::optional<Raw> accepted(const Signal& signal, double value) {
   const auto raw = check_value(signal, value);
   return raw.has_value() ? std::optional(raw.value()) : std::nullopt;
 }
 
-std::optional<ErrorKind> refused(const config::Signal& signal, std::variant<Raw, double> value) {
+std::optional<ErrorKind> refused(const Signal& signal, std::variant<Raw, double> value) {
   const auto raw = check_value(signal, value);
   return raw.has_error() ? std::optional(raw.error().kind) : std::nullopt;
 }
@@ -67,7 +68,7 @@ TEST(ValueCheck, LimitItselfIsAllowedAndNothingBeyondItBeforeRounding) {
 TEST(ValueCheck, DecimalLimitsAndValuesAreExactForPeople) {
   // 0.29 / 0.01 is 28.999999999999996.
   for (int step = 1; step <= 5000; ++step) {
-    const config::Signal limited = signal(DataType::u16, 0.01, 0.0, step / 100.0);
+    const Signal limited = signal(DataType::u16, 0.01, 0.0, step / 100.0);
     EXPECT_EQ(accepted(limited, step / 100.0), static_cast<Raw>(step));
     EXPECT_EQ(refused(limited, Raw{static_cast<unsigned>(step)}), std::nullopt);
     EXPECT_EQ(refused(limited, Raw{static_cast<unsigned>(step + 1)}), ErrorKind::range);
@@ -76,11 +77,11 @@ TEST(ValueCheck, DecimalLimitsAndValuesAreExactForPeople) {
 }
 
 TEST(ValueCheck, WithoutLimitsTheTypeHolds) {
-  const config::Signal plain = signal(DataType::u16, 0.01);
+  const Signal plain = signal(DataType::u16, 0.01);
   EXPECT_EQ(accepted(plain, 655.35), 65535U);
   EXPECT_EQ(refused(plain, 655.354), ErrorKind::range);
   EXPECT_EQ(refused(plain, -0.01), ErrorKind::range);
-  const config::Signal wide = signal(DataType::i32, 1.0);
+  const Signal wide = signal(DataType::i32, 1.0);
   EXPECT_EQ(accepted(wide, -2147483648.0), negative(-2147483648LL));
   EXPECT_EQ(refused(wide, 2147483648.0), ErrorKind::range);
 }
@@ -88,8 +89,8 @@ TEST(ValueCheck, WithoutLimitsTheTypeHolds) {
 TEST(ValueCheck, NotANumberAndInfinityAreTypeErrors) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
-  const config::Signal real = signal(DataType::f32, 1.0);
-  for (const config::Signal& each : {kFrequency, kTorque, real}) {
+  const Signal real = signal(DataType::f32, 1.0);
+  for (const Signal& each : {kFrequency, kTorque, real}) {
     EXPECT_EQ(refused(each, nan), ErrorKind::type);
     EXPECT_EQ(refused(each, infinity), ErrorKind::type);
     EXPECT_EQ(refused(each, -infinity), ErrorKind::type);
@@ -108,7 +109,7 @@ TEST(ValueCheck, RawValuesHaveTheSameLimits) {
 }
 
 TEST(ValueCheck, FloatLimitsAllowTheirOwnNearestFloat) {
-  const config::Signal real = signal(DataType::f32, 1.0, 0.1, 50.1);
+  const Signal real = signal(DataType::f32, 1.0, 0.1, 50.1);
   EXPECT_EQ(refused(real, Raw{std::bit_cast<std::uint32_t>(50.1F)}), std::nullopt);
   EXPECT_EQ(refused(real, Raw{std::bit_cast<std::uint32_t>(0.1F)}), std::nullopt);
   EXPECT_EQ(refused(real, Raw{std::bit_cast<std::uint32_t>(50.2F)}), ErrorKind::range);
@@ -117,14 +118,14 @@ TEST(ValueCheck, FloatLimitsAllowTheirOwnNearestFloat) {
 }
 
 TEST(ValueCheck, NegativeScaleTurnsTheLimitsAround) {
-  const config::Signal turned = signal(DataType::i16, -0.1, 0.0, 10.0);
+  const Signal turned = signal(DataType::i16, -0.1, 0.0, 10.0);
   EXPECT_EQ(accepted(turned, 10.0), negative(-100));
   EXPECT_EQ(refused(turned, 10.1), ErrorKind::range);
   EXPECT_EQ(refused(turned, -0.1), ErrorKind::range);
 }
 
 TEST(ValueCheck, EnumerationDoesNotRestrictWrites) {
-  config::Signal command = signal(DataType::u16, 1.0);
+  Signal command = signal(DataType::u16, 1.0);
   command.values = {{1, "forward"}, {5, "stop"}};
   EXPECT_EQ(accepted(command, 9.0), 9U);
 }
@@ -139,4 +140,4 @@ TEST(ValueCheck, ErrorNamesTheRange) {
 }
 
 }  // namespace
-}  // namespace process
+}  // namespace config

@@ -1,4 +1,4 @@
-#include "bridges/process/value_check.h"
+#include "config/value_check.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-namespace process {
+namespace config {
 namespace {
 
 using canopen::DataType;
@@ -24,7 +24,7 @@ constexpr double kRelativeNoise = 1e-12;
 /// A limit such as 0.1 has no exact f32: its neighbour is meant.
 constexpr double kFloatNoise = std::numeric_limits<float>::epsilon();
 
-double noise_of(const config::Signal& signal, double limit) {
+double noise_of(const Signal& signal, double limit) {
   if (!canopen::is_real(signal.type)) {
     return std::max(kStepNoise, std::abs(limit) * kRelativeNoise);
   }
@@ -32,7 +32,7 @@ double noise_of(const config::Signal& signal, double limit) {
 }
 
 // `number` and the limits in raw steps.
-bool within_limits(const config::Signal& signal, double number) {
+bool within_limits(const Signal& signal, double number) {
   const auto beyond = [&](const std::optional<double>& limit, bool upper) {
     if (!limit) {
       return false;
@@ -51,11 +51,11 @@ Error error(ErrorKind kind, std::string detail) {
   return error;
 }
 
-Error out_of_range(const config::Signal& signal) {
+Error out_of_range(const Signal& signal) {
   return error(ErrorKind::range, "out of range " + range_text(signal));
 }
 
-Result<Raw> check_raw(const config::Signal& signal, Raw raw) {
+Result<Raw> check_raw(const Signal& signal, Raw raw) {
   const double number = canopen::to_number(signal.type, raw);
   if (!std::isfinite(number)) {
     return error(ErrorKind::type, "not a number");
@@ -66,7 +66,7 @@ Result<Raw> check_raw(const config::Signal& signal, Raw raw) {
   return raw;
 }
 
-Result<Raw> check_number(const config::Signal& signal, double value) {
+Result<Raw> check_number(const Signal& signal, double value) {
   if (!std::isfinite(value)) {
     return error(ErrorKind::type, "not a number");
   }
@@ -85,7 +85,7 @@ std::string shortest(double value) {
 }
 
 // A limit of the type in engineering units, without the trace that multiplying by a decimal scale leaves.
-std::string type_limit(const config::Signal& signal, double steps) {
+std::string type_limit(const Signal& signal, double steps) {
   const double factor = std::pow(10.0, std::min(signal.decimals, 15U));
   const double value = steps * signal.scale;
   const double rounded = std::round(value * factor) / factor;
@@ -107,14 +107,14 @@ std::pair<double, double> type_limits(DataType type) {
 
 }  // namespace
 
-Result<Raw> check_value(const config::Signal& signal, const std::variant<Raw, double>& value) {
+Result<Raw> check_value(const Signal& signal, const std::variant<Raw, double>& value) {
   if (const Raw* raw = std::get_if<Raw>(&value)) {
     return check_raw(signal, *raw);
   }
   return check_number(signal, std::get<double>(value));
 }
 
-std::string range_text(const config::Signal& signal) {
+std::string range_text(const Signal& signal) {
   auto [low, high] = type_limits(signal.type);
   if (signal.scale < 0) {
     std::swap(low, high);
@@ -123,4 +123,4 @@ std::string range_text(const config::Signal& signal) {
          (signal.max ? shortest(*signal.max) : type_limit(signal, high));
 }
 
-}  // namespace process
+}  // namespace config
