@@ -190,9 +190,9 @@ void Drive::void_commands(SourceId source) {
 /// it was commanded, the word that did it goes on: a drive that supervises its RPDOs would trip and perhaps coast.
 void Drive::on_quick_stop() {
   constexpr canopen::Raw kNoQuickStop = 0x0004;  // Controlword bit 2, CiA 402.
-  const auto control = model_.find("control_command");
-  const auto held = control ? commands_.commanded().held(static_cast<SignalId>(*control)) : std::nullopt;
-  if (held && (*held & kNoQuickStop) == 0) {
+  // Also the word of a stop that is on its way: a drive may show what it did before it confirms the write.
+  const std::optional<canopen::Raw> word = commands_.commanded().repeated_control();
+  if (word && (*word & kNoQuickStop) == 0) {
     commands_.on_standstill("a quick stop began");
   } else {
     commands_.on_fault_begin("a quick stop began");
