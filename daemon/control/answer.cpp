@@ -1,0 +1,74 @@
+#include "daemon/control/answer.h"
+
+#include "bridges/mqtt/answers.h"
+#include "bridges/mqtt/json_text.h"
+
+namespace gateway::control {
+namespace {
+
+mqtt::ObjectText begin_answer(std::string& out, std::string_view id) {
+  mqtt::ObjectText object(out);
+  object.key("id") += id;
+  object.boolean("ok", true);
+  return object;
+}
+
+}  // namespace
+
+std::string refusal(std::string_view id, const canopen::Error& error) {
+  return mqtt::sdo_answer({.id = std::string(id)}, error, canopen::DataType::u8).payload;
+}
+
+std::string told_outcome(std::string_view id, const process::Outcome& outcome) {
+  if (outcome.has_error()) {
+    return refusal(id, outcome.error());
+  }
+  std::string out;
+  mqtt::ObjectText object = begin_answer(out, id);
+  if (outcome.unchanged) {
+    object.boolean("unchanged", true);
+  }
+  if (!outcome.note.empty()) {
+    object.text("note", outcome.note);
+  }
+  object.close();
+  return out;
+}
+
+std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw raw) {
+  return mqtt::sdo_answer({.id = std::string(id)}, std::optional<canopen::Raw>(raw), type).payload;
+}
+
+std::string stop_answer(std::string_view id, std::span<const process::Stopped> stopped) {
+  if (stopped.empty()) {
+    return refusal(id, {.kind = canopen::ErrorKind::forbidden,
+                        .detail = "no drive takes commands of the command line: none names \"local\" in writers"});
+  }
+  const canopen::Error* first = nullptr;
+  std::string names;
+  for (const process::Stopped& each : stopped) {
+    if (each.outcome.has_error()) {
+      first = first == nullptr ? &each.outcome.error() : first;
+      names.append(names.empty() ? "" : "; ").append(each.drive->model().name).append(": ");
+      names += canopen::to_string(each.outcome.error());
+    }
+  }
+  if (first != nullptr) {
+    return refusal(id, {.kind = first->kind, .detail = "not confirmed by all: " + names});
+  }
+  std::string out;
+  mqtt::ObjectText object = begin_answer(out, id);
+  object.integer("stopped", static_cast<std::int64_t>(stopped.size()));
+  object.close();
+  return out;
+}
+
+std::string told_status(std::string_view id, std::string_view status) {
+  std::string out;
+  mqtt::ObjectText object = begin_answer(out, id);
+  object.key("status") += status;
+  object.close();
+  return out;
+}
+
+}  // namespace gateway::control

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "bridges/process/command.h"
+#include "bridges/process/stop_for_all.h"
+#include "canopen/error.h"
+#include "canopen/object.h"
+
+// Answers, each one JSON object without a line break. `id` is JSON text.
+
+namespace gateway::control {
+
+/// `{"id":7,"ok":false,"code":"refused","abort":"0x06020000","error":"…"}`
+[[nodiscard]] std::string refusal(std::string_view id, const canopen::Error& error);
+
+/// `{"id":7,"ok":true,"unchanged":true,"note":"…"}`, the latter two where they say something; or a refusal.
+[[nodiscard]] std::string told_outcome(std::string_view id, const process::Outcome& outcome);
+
+/// `{"id":7,"ok":true,"value":0}`, as the device holds it.
+[[nodiscard]] std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw raw);
+
+/// `{"id":7,"ok":true,"stopped":2}`, or a refusal that names those that did not confirm.
+[[nodiscard]] std::string stop_answer(std::string_view id, std::span<const process::Stopped> stopped);
+
+/// `{"id":7,"ok":true,"status":{…}}`; `status` is JSON text.
+[[nodiscard]] std::string told_status(std::string_view id, std::string_view status);
+
+}  // namespace gateway::control
