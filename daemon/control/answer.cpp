@@ -1,5 +1,7 @@
 #include "daemon/control/answer.h"
 
+#include <utility>
+
 #include "bridges/mqtt/answers.h"
 #include "bridges/mqtt/json_text.h"
 
@@ -13,6 +15,18 @@ mqtt::ObjectText begin_answer(std::string& out, std::string_view id) {
   return object;
 }
 
+// The name of a command in journal and log, at the end of its answer.
+std::string with_command(std::string answer, const std::string& command) {
+  if (!command.empty()) {
+    answer.back() = ',';
+    mqtt::append_quoted(answer, "command");
+    answer += ':';
+    mqtt::append_quoted(answer, command);
+    answer += '}';
+  }
+  return answer;
+}
+
 }  // namespace
 
 std::string refusal(std::string_view id, const canopen::Error& error) {
@@ -21,7 +35,7 @@ std::string refusal(std::string_view id, const canopen::Error& error) {
 
 std::string told_outcome(std::string_view id, const process::Outcome& outcome) {
   if (outcome.has_error()) {
-    return refusal(id, outcome.error());
+    return with_command(refusal(id, outcome.error()), outcome.id);
   }
   std::string out;
   mqtt::ObjectText object = begin_answer(out, id);
@@ -32,7 +46,7 @@ std::string told_outcome(std::string_view id, const process::Outcome& outcome) {
     object.text("note", outcome.note);
   }
   object.close();
-  return out;
+  return with_command(std::move(out), outcome.id);
 }
 
 std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw raw) {

@@ -16,7 +16,8 @@ namespace gateway::control {
 /// `{"id":7,"ok":false,"code":"refused","abort":"0x06020000","error":"…"}`
 [[nodiscard]] std::string refusal(std::string_view id, const canopen::Error& error);
 
-/// `{"id":7,"ok":true,"unchanged":true,"note":"…"}`, the latter two where they say something; or a refusal.
+/// `{"id":7,"ok":true,"unchanged":true,"note":"…","command":"…"}`, the members from the third on where they say
+/// something; or a refusal, with `command` likewise.
 [[nodiscard]] std::string told_outcome(std::string_view id, const process::Outcome& outcome);
 
 /// `{"id":7,"ok":true,"value":0}`, as the device holds it.

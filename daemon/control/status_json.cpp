@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 #include <string_view>
 
 #include "bridges/mqtt/json_text.h"
@@ -72,6 +73,31 @@ void append_values(std::string& out, const process::Drive& drive, canopen::TimeP
   object.close();
 }
 
+// What was commanded and still counts: an RPDO would carry it along.
+void append_commanded(std::string& out, const process::Drive& drive) {
+  ObjectText object(out);
+  for (std::size_t i = 0; i < drive.model().signals.size(); ++i) {
+    const auto id = static_cast<process::SignalId>(i);
+    if (const std::optional<canopen::Raw> known = drive.commanded().known(id)) {
+      append_signal(object, drive.model(), id, *known);
+    }
+  }
+  object.close();
+}
+
+void append_control(std::string& out, const process::ControlState& control) {
+  ObjectText object(out);
+  if (control.holder) {
+    object.text("holder", to_string(*control.holder));
+    object.text("since", mqtt::timestamp(control.since));
+  } else {
+    object.null("holder");
+    object.null("since");
+  }
+  object.boolean("timeout", control.timeout);
+  object.close();
+}
+
 void append_alarm(std::string& out, std::string_view kind, const process::Alarm& alarm) {
   ObjectText object(out);
   object.text("kind", kind);
@@ -129,6 +155,8 @@ void append_drive(std::string& out, const process::Plant& plant, std::size_t ind
   }
   object.boolean("fresh", drive.image().all_fresh(now));
   append_values(object.key("values"), drive, now);
+  append_commanded(object.key("commanded"), drive);
+  append_control(object.key("control"), drive.control());
   append_alarms(object.key("alarms"), drive);
   object.close();
 }

@@ -6,6 +6,7 @@
 #include <boost/json/object.hpp>
 #include <boost/json/parse.hpp>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ config::Model commanded_model() {
   model.gateway.control.clear();
   for (config::Drive& drive : model.drives) {
     drive.commands.writers = {.modbus = true, .mqtt = true, .local = drive.name == "fan1" || drive.name == "pump1"};
+    drive.commands.lease = drive.name == "fan1" ? 10s : 0s;
   }
   return model;
 }
@@ -57,6 +59,7 @@ class ControlPlant : public testing::Test {
     EXPECT_TRUE(loop_.advance_until([&] { return *stopped; }, 5s));
   }
 
+  // The answer, but for the name of the command, which is in command_.
   std::string ask(const std::string& text) {
     Line line = parse_line(text);
     if (line.request.has_error()) {
@@ -68,7 +71,13 @@ class ControlPlant : public testing::Test {
                                                                           .user = "anna",
                                                                           .received = canopen::Clock::now()}));
     EXPECT_TRUE(loop_.advance_until([&] { return answer.done(); }, 5s)) << text;
-    return answer.done() ? answer.get() : "";
+    std::string told = answer.done() ? answer.get() : "";
+    command_.clear();
+    if (std::smatch found; std::regex_search(told, found, std::regex(R"re(,"command":"([^"]*)")re"))) {
+      command_ = found[1];
+      told.erase(static_cast<std::size_t>(found.position()), static_cast<std::size_t>(found.length()));
+    }
+    return told;
   }
   boost::json::object status() {
     return boost::json::parse(ask(R"({"op":"status"})")).as_object().at("status").as_object();
@@ -90,17 +99,38 @@ class ControlPlant : public testing::Test {
   std::vector<std::unique_ptr<simulator::Drive>> drives_;
   Gateway gateway_{loop_.executor(), model_, [this](const config::Bus&) { return wire_.connect(); }};
   Service service_ = plant_service(gateway_.plant());
+  std::string command_;
 };
 
 const std::string kRun =
     R"({"id":1,"op":"set","drive":"pump1","values":{"frequency_command":30.0,"torque_command":0,"control_command":"forward"}})";
 
 TEST_F(ControlPlant, SetRunsADrive) {
+  EXPECT_TRUE(drive_of(status(), "pump1").at("commanded").as_object().empty());
   EXPECT_EQ(ask(kRun), R"({"id":1,"ok":true})");
   loop_.advance(15s, 5ms);
   const boost::json::object pump = drive_of(status(), "pump1");
+  EXPECT_EQ(pump.at("commanded").at("frequency_command").to_number<double>(), 30.0);
+  EXPECT_EQ(pump.at("commanded").at("control_command").as_string(), "forward");
   EXPECT_EQ(pump.at("values").at("output_frequency").to_number<double>(), 30.0);
   EXPECT_EQ(pump.at("values").at("running").as_bool(), true);
+}
+
+TEST_F(ControlPlant, TellsWhatTheDriveHoldsAlready) {
+  const std::string slow = R"({"id":1,"op":"set","drive":"pump1","values":{"frequency_command":20.0}})";
+  EXPECT_EQ(ask(slow), R"({"id":1,"ok":true})");
+  EXPECT_EQ(ask(slow), R"({"id":1,"ok":true,"unchanged":true})");
+}
+
+TEST_F(ControlPlant, NamesEachCommandAsTheJournalDoes) {
+  EXPECT_EQ(ask(kRun), R"({"id":1,"ok":true})");
+  const std::string first = command_;
+  EXPECT_THAT(ask(R"({"id":1,"op":"set","drive":"pump1","values":{"frequency_command":90}})"), HasSubstr("\"range\""));
+  EXPECT_NE(first, "");
+  EXPECT_NE(command_, "");
+  EXPECT_NE(command_, first);
+  ask(R"({"op":"status"})");
+  EXPECT_EQ(command_, "");
 }
 
 TEST_F(ControlPlant, RefusesAsOverMqtt) {
@@ -215,6 +245,13 @@ TEST_F(ControlPlant, TellsHowThingsStand) {
   EXPECT_LT(pump.at("heartbeat_age").to_number<double>(), 1.0);
   EXPECT_TRUE(pump.at("fresh").as_bool());
   EXPECT_TRUE(pump.at("alarms").as_array().empty());
+  EXPECT_TRUE(pump.at("control").at("holder").is_null());
+  EXPECT_FALSE(pump.at("control").at("timeout").as_bool());
+}
+
+TEST_F(ControlPlant, TellsWhoHoldsADrive) {
+  EXPECT_EQ(ask(R"({"id":1,"op":"set","drive":"fan1","values":{"frequency_command":20.0}})"), R"({"id":1,"ok":true})");
+  EXPECT_EQ(drive_of(status(), "fan1").at("control").at("holder").as_string(), "local anna");
 }
 
 TEST_F(ControlPlant, TellsWhatIsGone) {
