@@ -68,11 +68,12 @@ std::string remedy(int error, const std::filesystem::path& path) {
   return "name another path";
 }
 
-// Before it listens nobody can connect, so mode and group are right before anybody can.
-std::string give_to_group(const std::string& path, const std::string& name) {
+// Before it listens nobody can connect, so mode and group are right before anybody can. The file has the group of the
+// process: where that is the wanted one already nothing is asked of a system that may forbid it to a service.
+std::string give_to_group(const std::string& path, gid_t group_now, const std::string& name) {
   std::string remark;
   const std::optional<gid_t> group = name.empty() ? std::nullopt : group_of(name);
-  if (group && ::lchown(path.c_str(), static_cast<uid_t>(-1), *group) != 0) {
+  if (group && *group != group_now && ::lchown(path.c_str(), static_cast<uid_t>(-1), *group) != 0) {
     remark = "cannot be given to the group " + name + ": " + why(errno) + "; it is for the gateway's own group";
   }
   if (::chmod(path.c_str(), kOwnerAndGroup) != 0) {
@@ -105,11 +106,11 @@ Opened listen_at(const boost::asio::any_io_executor& executor, const Place& plac
     opened.problem = failed.message() + ": " + remedy(failed.value(), place.path);
     return opened;
   }
-  opened.remark = give_to_group(path, place.group);
   struct stat made{};
   if (::lstat(path.c_str(), &made) == 0) {
     opened.file = {made.st_dev, made.st_ino};
   }
+  opened.remark = give_to_group(path, made.st_gid, place.group);
   acceptor.listen(boost::asio::socket_base::max_listen_connections, failed);
   if (failed) {
     opened.problem = failed.message();

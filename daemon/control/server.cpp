@@ -27,9 +27,7 @@ Server::Server(boost::asio::any_io_executor executor, Place place, Service servi
       idle_(executor_) {}
 
 Server::~Server() {
-  if (listening()) {
-    remove_socket(place_.path, opened_.file);
-  }
+  remove_file();
 }
 
 void Server::start() {
@@ -43,13 +41,20 @@ void Server::start() {
 void Server::close() {
   closed_ = true;
   retry_.cancel();
+  remove_file();
   if (listening()) {
-    remove_socket(place_.path, opened_.file);
     error_code ignored;
     opened_.acceptor->close(ignored);
   }
   for (Connection& connection : connections_) {
     connection.take_no_more();
+  }
+}
+
+// Once: its number may be that of another file afterwards.
+void Server::remove_file() {
+  if (listening()) {
+    remove_socket(place_.path, std::exchange(opened_.file, {}));
   }
 }
 

@@ -42,10 +42,11 @@ class Server {
   /// most.
   boost::asio::awaitable<void> stop(canopen::Duration patience);
 
-  [[nodiscard]] bool listening() const noexcept { return opened_.acceptor.has_value(); }
+  [[nodiscard]] bool listening() const noexcept { return opened_.acceptor && opened_.acceptor->is_open(); }
   [[nodiscard]] std::size_t clients() const noexcept { return connections_.size(); }
 
  private:
+  void remove_file();
   boost::asio::awaitable<void> listen();
   [[nodiscard]] bool open();
   boost::asio::awaitable<void> accept();

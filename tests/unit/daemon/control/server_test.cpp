@@ -43,7 +43,7 @@ class ControlServer : public testing::Test {
 
   void start() {
     server_ = std::make_unique<Server>(
-        loop_.executor(), Place{path_, ""},
+        loop_.executor(), Place{path_, group_},
         Service{.is_stop = [](const Request& request) { return request.op == Op::stop; },
                 .answer = [this](Asked asked) { return answer(std::move(asked)); }},
         Server::Notices{.warning = [this](const std::string& text) { warnings_.push_back(text); },
@@ -83,6 +83,7 @@ class ControlServer : public testing::Test {
   canopen::Timer gate_;
   TemporaryDirectory directory_;
   std::filesystem::path path_ = directory_.path() / "control";
+  std::string group_;
   std::vector<Asked> asked_;
   std::vector<std::string> warnings_;
   std::vector<std::string> infos_;
@@ -258,6 +259,23 @@ TEST_F(ControlServer, MakesASocketForOwnerAndGroupAndRemovesIt) {
   EXPECT_EQ(mode_of(path_), 0660U);
   end();
   EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+TEST_F(ControlServer, GivesItToAGroupThatThereIs) {
+  group_ = "no-such-group";
+  start();
+  EXPECT_THAT(warnings_, IsEmpty());
+  end();
+  group_ = "root";
+  ASSERT_EQ(group_of(group_), gid_t{0});
+  start();
+  struct stat found{};
+  ASSERT_EQ(::lstat(path_.c_str(), &found), 0);
+  if (found.st_gid != 0) {  // who is not root may not, and everything else goes on
+    EXPECT_THAT(warnings_, ElementsAre(HasSubstr("cannot be given to the group root")));
+  }
+  EXPECT_EQ(mode_of(path_), 0660U);
+  EXPECT_THAT(ask(connect(), kStatus), SizeIs(1));
 }
 
 TEST_F(ControlServer, ReplacesTheSocketOfADeadProcess) {
