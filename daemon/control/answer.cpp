@@ -53,28 +53,25 @@ std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw
   return mqtt::sdo_answer({.id = std::string(id)}, std::optional<canopen::Raw>(raw), type).payload;
 }
 
-std::string stop_answer(std::string_view id, std::span<const process::Stopped> stopped) {
-  if (stopped.empty()) {
+std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,
+                        std::span<const process::NotStopped> not_stopped) {
+  if (asked == 0) {
     return refusal(id, {.kind = canopen::ErrorKind::forbidden,
                         .detail = "no drive takes commands of the command line: none names \"local\" in writers"});
   }
-  const canopen::Error* first = nullptr;
+  if (not_stopped.empty()) {
+    std::string out;
+    mqtt::ObjectText object = begin_answer(out, id);
+    object.integer("stopped", static_cast<std::int64_t>(asked));
+    object.close();
+    return out;
+  }
   std::string names;
-  for (const process::Stopped& each : stopped) {
-    if (each.outcome.has_error()) {
-      first = first == nullptr ? &each.outcome.error() : first;
-      names.append(names.empty() ? "" : "; ").append(each.drive->model().name).append(": ");
-      names += canopen::to_string(each.outcome.error());
-    }
+  for (const process::NotStopped& each : not_stopped) {
+    names.append(names.empty() ? "" : "; ").append(plant.drive(each.drive).model().name).append(": ");
+    names += canopen::to_string(each.error);
   }
-  if (first != nullptr) {
-    return refusal(id, {.kind = first->kind, .detail = "not confirmed by all: " + names});
-  }
-  std::string out;
-  mqtt::ObjectText object = begin_answer(out, id);
-  object.integer("stopped", static_cast<std::int64_t>(stopped.size()));
-  object.close();
-  return out;
+  return refusal(id, {.kind = not_stopped.front().error.kind, .detail = "not confirmed by all: " + names});
 }
 
 std::string told_status(std::string_view id, std::string_view status) {

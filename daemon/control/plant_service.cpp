@@ -6,7 +6,7 @@
 
 #include "bridges/mqtt/command.h"
 #include "bridges/process/command_checks.h"
-#include "bridges/process/stop_for_all.h"
+#include "bridges/process/stop_all.h"
 #include "daemon/control/answer.h"
 #include "daemon/control/status_json.h"
 
@@ -154,9 +154,19 @@ awaitable<std::string> sdo(Plant& plant, Asked asked) {
                              : read_value(asked.id, request.value().type, read.value());
 }
 
+std::size_t drives_that_take(const Plant& plant, const process::Writer& writer) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    const config::Drive& drive = plant.drive(i).model();
+    count += drive.enabled && !process::refuse_writer(drive, writer) ? 1U : 0U;
+  }
+  return count;
+}
+
 awaitable<std::string> stop(Plant& plant, Asked asked) {
-  const std::vector<process::Stopped> stopped = co_await process::stop_for_all(plant, origin_of(asked));
-  co_return stop_answer(asked.id, stopped);
+  const std::size_t drives = drives_that_take(plant, writer_of(asked));
+  const std::vector<process::NotStopped> not_stopped = co_await process::stop_all(plant, origin_of(asked));
+  co_return stop_answer(asked.id, plant, drives, not_stopped);
 }
 
 awaitable<std::string> status(const Plant& plant, Asked asked, canopen::TimePoint started) {
