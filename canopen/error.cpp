@@ -37,12 +37,20 @@ constexpr std::array kAbortTexts{
     AbortText{0x06090032, "Value of parameter written too low"},
     AbortText{0x06090036, "Maximum value is less than minimum value"},
     AbortText{0x060A0023, "Resource not available: SDO connection"}, AbortText{0x08000000, "General error"},
-    // The AC300CAN1 manual prints the text of 0x08000022 beside this code, so both are shown.
+    // In these three states drives refuse SDO writes of what they take only by PDO, too. The AC300CAN1 manual prints
+    // the text of 0x08000022 beside 0x08000020.
     AbortText{0x08000020,
-              "Data cannot be transferred or stored to the application (AC300CAN1: cannot be changed in the current "
-              "device state)"},
-    AbortText{0x08000021, "Data cannot be transferred or stored because of local control"},
-    AbortText{0x08000022, "Data cannot be transferred or stored because of the present device state"},
+              "Data cannot be transferred or stored to the application: local control or the state of the drive "
+              "(AC300CAN1: cannot be changed in the current device state), or the object is taken only by PDO: write "
+              "the fields together"},
+    AbortText{
+        0x08000021,
+        "Data cannot be transferred or stored because of local control, or the object is taken only by PDO: write "
+        "the fields together"},
+    AbortText{
+        0x08000022,
+        "Data cannot be transferred or stored because of the present device state, or the object is taken only by "
+        "PDO: write the fields together"},
     AbortText{0x08000023, "Object dictionary dynamic generation failed or no dictionary present"},
     AbortText{0x08000024, "No data available"}};
 

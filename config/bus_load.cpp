@@ -69,10 +69,6 @@ Traffic tpdo_traffic(const canopen::PdoSettings& tpdo, Duration sync) {
   return frames(bytes, timed ? std::max(tpdo.period, tpdo.shortest_period) : Duration::zero(), tpdo.shortest_period);
 }
 
-bool may_be_commanded(const Drive& drive) {
-  return drive.commands.writers.modbus || drive.commands.writers.mqtt || drive.commands.writers.local;
-}
-
 /// One with a field that nothing says the meaning of is never sent.
 Traffic rpdo_traffic(const canopen::PdoSettings& rpdo) {
   const bool sent = std::none_of(rpdo.mapping.begin(), rpdo.mapping.end(),
@@ -117,7 +113,7 @@ Traffic process_data_of(const Drive& drive, Duration sync) {
   for (const canopen::PdoSettings& tpdo : drive.node.tpdos) {
     sum = sum + tpdo_traffic(tpdo, sync);
   }
-  if (may_be_commanded(drive)) {
+  if (drive.commands.writers.any()) {
     for (const canopen::PdoSettings& rpdo : drive.node.rpdos) {
       sum = sum + rpdo_traffic(rpdo);
     }
@@ -140,7 +136,7 @@ std::optional<BusLoad> forecast_load(const Model& model, std::size_t bus) {
   Traffic polls;
   bool at_least = false;
   for (const Drive& drive : model.drives) {
-    if (drive.bus == bus) {
+    if (drive.bus == bus && drive.enabled) {
       all = all + process_data_of(drive, line.sync);
       polls = polls + polls_of(drive);
       const auto& tpdos = drive.node.tpdos;

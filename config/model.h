@@ -18,7 +18,10 @@ namespace config {
 using canopen::Duration;
 
 struct Gateway {
-  std::string name;  ///< [A-Za-z0-9_-]{1,32}
+  std::string name;                                      ///< [A-Za-z0-9_-]{1,32}
+  std::string state_dir = "/var/lib/canopen-gateway";    ///< Absolute. Alarms, journal, records.
+  std::string control = "/run/canopen-gateway/control";  ///< Absolute, at most 107 bytes; empty: no control socket.
+  std::uint64_t journal = 50'000'000;                    ///< Bytes that the journal of commands may take.
   friend bool operator==(const Gateway&, const Gateway&) = default;
 };
 
@@ -85,6 +88,7 @@ struct Signal {
   std::map<std::int64_t, std::string> values;  ///< Enumeration of raw numbers; empty: none.
   std::vector<std::uint64_t> momentary;        ///< Raw values that are forgotten once sent (fault reset, jog).
   std::uint64_t momentary_mask = 0;            ///< So is a value with one of these bits (CiA 402: fault reset, bit 7).
+  std::vector<std::uint64_t> edge;             ///< Momentary raw values that act by their rising edge alone.
   ModbusPlace modbus;
   Duration poll = std::chrono::seconds(1);         ///< Of a readable SDO signal.
   double deadband = 0.0;                           ///< MQTT: a smaller change causes no publish. Engineering units.
@@ -134,8 +138,24 @@ enum class WordOrder : std::uint8_t { big, little };
 struct Writers {
   bool modbus = false;
   bool mqtt = false;
-  bool local = false;
+  bool local = false;  ///< The control socket, which the command line uses.
   friend bool operator==(const Writers&, const Writers&) = default;
+
+  [[nodiscard]] bool any() const noexcept { return modbus || mqtt || local; }
+};
+
+/// What the gateway does where the writer of the last control command gave no sign of life for `timeout`.
+enum class OnTimeout : std::uint8_t {
+  hold,   ///< Nothing but the alarm.
+  cease,  ///< RPDOs are not repeated any more; the drive, which supervises one, trips.
+  values  ///< Commands::timeout_values are written.
+};
+
+/// One of the values that a timeout writes: checked, and to be sent as it is.
+struct TimeoutValue {
+  std::size_t signal = 0;  ///< Position in Drive::signals; writable.
+  canopen::Raw raw = 0;    ///< Within the limits of the signal; no momentary value.
+  friend bool operator==(const TimeoutValue&, const TimeoutValue&) = default;
 };
 
 struct Commands {
@@ -143,11 +163,18 @@ struct Commands {
   bool raw = false;
   bool nmt_while_running = false;
   Duration deadline = std::chrono::milliseconds(800);
+  Duration lease{};    ///< 0..24 h; zero: no writer keeps the drive to himself.
+  Duration timeout{};  ///< 0..24 h; zero: silence of the writer does nothing.
+  OnTimeout on_timeout = OnTimeout::hold;
+  /// In the order of the file, `control_command` (then a stop) first. Never empty with OnTimeout::values.
+  std::vector<TimeoutValue> timeout_values{};
+  Duration feedback{};  ///< 0..1 h; >0: `running` and a stop of `control_command` are known.
   friend bool operator==(const Commands&, const Commands&) = default;
 };
 
 struct Drive {
   std::string name;
+  bool enabled = true;  ///< False: out of service. No traffic, no alarms; unit and addresses stay.
   std::size_t bus = 0;  ///< Position in Model::buses.
   std::string profile;
   std::optional<std::uint8_t> unit;  ///< Modbus unit 1..247; nothing: not on Modbus.

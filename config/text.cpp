@@ -23,6 +23,16 @@ constexpr std::array<TimeUnit, 5> kUnits{{{"h", std::chrono::hours(1)},
                                           {"ms", std::chrono::milliseconds(1)},
                                           {"us", std::chrono::microseconds(1)}}};
 
+struct SizeUnit {
+  std::string_view name;
+  std::uint64_t bytes;
+};
+
+// From large to small, as above.
+constexpr std::array<SizeUnit, 4> kSizeUnits{{{"GB", 1'000'000'000}, {"MB", 1'000'000}, {"kB", 1'000}, {"B", 1}}};
+
+constexpr double kLargestSize = 1e15;
+
 constexpr canopen::Duration kLongest = std::chrono::hours(24 * 3650);
 
 bool is_digit(char c) noexcept {
@@ -76,6 +86,34 @@ std::string to_text(canopen::Duration duration) {
 
 bool whole_milliseconds(canopen::Duration duration) noexcept {
   return duration % std::chrono::milliseconds(1) == canopen::Duration::zero();
+}
+
+std::optional<std::uint64_t> parse_size(std::string_view text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
+  if (error != std::errc() || text.empty() || !is_digit(text.front()) || !std::isfinite(number)) {
+    return std::nullopt;
+  }
+  const std::string_view name = text.substr(static_cast<std::size_t>(end - text.data()));
+  const auto* const unit =
+      std::find_if(kSizeUnits.begin(), kSizeUnits.end(), [name](const SizeUnit& known) { return known.name == name; });
+  if (unit == kSizeUnits.end()) {
+    return std::nullopt;
+  }
+  const double bytes = number * static_cast<double>(unit->bytes);
+  // What is meant may be no binary fraction: 1.1 kB are 1100 bytes.
+  constexpr double kNoise = 1e-6;
+  if (bytes > kLargestSize || std::abs(bytes - std::round(bytes)) > kNoise) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint64_t>(std::llround(bytes));
+}
+
+std::string size_text(std::uint64_t bytes) {
+  const auto* const unit = std::find_if(kSizeUnits.begin(), kSizeUnits.end(), [bytes](const SizeUnit& known) {
+    return bytes % known.bytes == 0 && bytes >= known.bytes;
+  });
+  return unit == kSizeUnits.end() ? "0B" : std::to_string(bytes / unit->bytes) + std::string(unit->name);
 }
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {

@@ -21,6 +21,12 @@ namespace config {
 /// What the objects of CiA 301 that hold a time in milliseconds can say.
 [[nodiscard]] bool whole_milliseconds(canopen::Duration duration) noexcept;
 
+/// `50MB`, `1.5GB`; units B, kB, MB, GB, each 1000 times the one before. Whole bytes, at most a million GB; nothing on
+/// any other text.
+[[nodiscard]] std::optional<std::uint64_t> parse_size(std::string_view text);
+/// The shortest of these notations without a fraction: `50MB`, `1500kB`.
+[[nodiscard]] std::string size_text(std::uint64_t bytes);
+
 /// Decimal or 0x…; the whole text must be a number.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The shortest decimal text that reads back as the same number, never with an exponent below 1e15: `0.01`, `50`.

@@ -31,7 +31,7 @@ void EventLog::on_freshness(const process::Drive& /*drive*/, std::span<const pro
 void EventLog::on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) {
   for (const process::SignalId id : signals) {
     spdlog::debug("{}: {} commanded, raw {}", drive.model().name, drive.model().signals[id].name,
-                  drive.image().commanded(id));
+                  drive.commanded().shown(id));
   }
 }
 

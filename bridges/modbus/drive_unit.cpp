@@ -9,6 +9,14 @@
 namespace modbus {
 namespace {
 
+// Bits of a command make no command.
+std::optional<std::uint16_t> nmt_number(const Request& request) {
+  if (request.function == Function::mask_write_register) {
+    return request.and_mask == 0 ? std::optional(request.or_mask) : std::nullopt;
+  }
+  return static_cast<std::uint16_t>(request.values[0] << 8 | request.values[1]);
+}
+
 Exception exception_of(const canopen::Error& error) {
   return Exception{process::answer_of(error.kind).modbus_exception};
 }
@@ -16,10 +24,7 @@ Exception exception_of(const canopen::Error& error) {
 }  // namespace
 
 DriveUnit::DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order)
-    : plant_(plant),
-      index_(drive),
-      table_(plant.drive(drive).model(), order),
-      known_commands_(plant.drive(drive).model()) {
+    : plant_(plant), index_(drive), table_(plant.drive(drive).model(), order) {
   const process::Image& image = plant.drive(drive).image();
   const std::size_t count = table_.drive().signals.size();
   measured_.reserve(count);
@@ -28,39 +33,17 @@ DriveUnit::DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder
     measured_.push_back(image.source_of(signal) != nullptr);
     show(signal);
   }
-  on_change();
 }
 
 void DriveUnit::show(process::SignalId signal) {
   const process::Image& image = drive().image();
-  table_.set(signal, measured_[signal] ? image.raw(signal) : image.commanded(signal));
+  table_.set(signal, measured_[signal] ? image.raw(signal) : drive().commanded().shown(signal));
 }
 
 void DriveUnit::on_values(std::span<const process::SignalId> signals) {
   for (const process::SignalId signal : signals) {
     show(signal);
   }
-  // The clock is read once per batch of frames, not here.
-  const process::SourceState* const source = signals.empty() ? nullptr : drive().image().source_of(signals.front());
-  known_commands_.observe(drive(), source != nullptr ? source->at : canopen::Clock::now());
-}
-
-void DriveUnit::on_commanded(std::span<const process::SignalId> signals) {
-  const canopen::TimePoint now = canopen::Clock::now();
-  for (const process::SignalId signal : signals) {
-    show(signal);
-    known_commands_.confirm(signal, drive().image().commanded(signal), now);
-  }
-}
-
-void DriveUnit::on_outcome_unknown(std::span<const process::SignalId> signals) {
-  for (const process::SignalId signal : signals) {
-    known_commands_.forget(signal, canopen::Clock::now());
-  }
-}
-
-void DriveUnit::on_change() {
-  known_commands_.observe(drive(), canopen::Clock::now());
 }
 
 bool DriveUnit::stale(process::SignalId signal, canopen::TimePoint now) const {
@@ -137,72 +120,39 @@ Diagnostics DriveUnit::diagnostics(Range range, canopen::TimePoint now) const {
   return block;
 }
 
-std::variant<std::uint16_t, Exception> DriveUnit::masked_word(const Request& request, canopen::TimePoint now) const {
-  // MODBUS Application Protocol V1.1b3, section 6.16.
-  const auto masked = [&request](std::uint16_t word) {
-    return static_cast<std::uint16_t>((word & request.and_mask) | (request.or_mask & ~request.and_mask));
-  };
-  if (request.and_mask == 0) {
-    return masked(0);  // Every bit is given, nothing has to be known.
-  }
-  if (request.write.address == kNmtCommandRegister) {
-    return Exception::illegal_value;
-  }
+WritePlan DriveUnit::plan_mask(const Request& request) const {
   const process::SignalId owner = table_.register_owner(request.write.address);
-  if (owner == kNoSignal || table_.drive().signals[owner].modbus.count != 1) {
+  const config::Signal* signal = owner == kNoSignal ? nullptr : &table_.drive().signals[owner];
+  if (signal == nullptr || !config::writable(signal->access) || signal->modbus.count != 1) {
     return Exception::illegal_address;
   }
-  const process::Image& image = drive().image();
-  const process::SourceState* const source = image.source_of(owner);
-  const auto confirmed = known_commands_.confirmed_at(owner);
-  const auto forgotten = known_commands_.forgotten_at(owner);
-  canopen::Raw raw = 0;
-  if (confirmed && (source == nullptr || !source->received || *confirmed >= source->at)) {
-    raw = image.commanded(owner);
-  } else if (source == nullptr) {
-    return Exception::illegal_value;  // Nobody commanded the bits to be kept; none is invented.
-  } else if (image.fresh(owner, now) && !(forgotten && source->at <= *forgotten)) {
-    raw = image.raw(owner);
-  } else {
-    return Exception::no_response;
-  }
-  std::array<std::uint16_t, 1> word{};
-  put_value(table_.drive().signals[owner], raw, table_.word_order(), word);
-  return masked(word[0]);
+  const process::Mask mask{.and_mask = request.and_mask, .or_mask = request.or_mask};
+  return std::vector<process::FieldWrite>{{owner, mask}};
 }
 
 WritePlan DriveUnit::plan(const Request& request, std::span<const std::uint8_t> bytes) const {
+  if (request.function == Function::mask_write_register && !is_diagnostic(request.write.address)) {
+    return plan_mask(request);
+  }
   return request.of_bits() ? plan_bits(table_, request.write, bytes) : plan_registers(table_, request.write, bytes);
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Origin origin) {
-  std::array<std::uint8_t, 2> mask_result{};
-  std::span<const std::uint8_t> bytes = request.values;
-  process::StillStands still_stands;
-  if (request.function == Function::mask_write_register) {
-    const auto word = masked_word(request, canopen::Clock::now());
-    if (const auto* const refused = std::get_if<Exception>(&word)) {
-      co_return *refused;
-    }
-    const std::uint16_t result = std::get<std::uint16_t>(word);
-    mask_result = {static_cast<std::uint8_t>(result >> 8), static_cast<std::uint8_t>(result)};
-    bytes = mask_result;
-    // Else it would bring back a run bit that a stop before it in the queue took away.
-    still_stands = [this, &request, word] { return masked_word(request, canopen::Clock::now()) == word; };
-  }
   if (!request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1}) {
-    const auto number = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
-    const std::optional<Exception> refused = co_await write_nmt(number, std::move(origin));
+    const std::optional<std::uint16_t> number = nmt_number(request);
+    if (!number) {
+      co_return Exception::illegal_value;
+    }
+    const std::optional<Exception> refused = co_await write_nmt(*number, std::move(origin));
     co_return refused;
   }
-  WritePlan planned = plan(request, bytes);
+  WritePlan planned = plan(request, request.values);
   if (const auto* const refused = std::get_if<Exception>(&planned)) {
     co_return *refused;
   }
   auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
-  const std::optional<Exception> refused =
-      co_await write_fields(std::move(fields), std::move(origin), std::move(still_stands));
-  co_return refused;
+  const process::Outcome outcome = co_await drive().write(std::move(origin), std::move(fields));
+  co_return outcome.has_error() ? std::optional(exception_of(outcome.error())) : std::nullopt;
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint16_t number, process::Origin origin) {
@@ -216,17 +166,6 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint1
   }
   last_nmt_command_ = number;
   co_return std::nullopt;
-}
-
-boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_fields(std::vector<process::FieldWrite> fields,
-                                                                         process::Origin origin,
-                                                                         process::StillStands still_stands) {
-  const process::Outcome outcome =
-      co_await drive().write(std::move(origin), std::move(fields), std::move(still_stands));
-  if (outcome.has_value()) {
-    co_return std::nullopt;
-  }
-  co_return exception_of(outcome.error());
 }
 
 }  // namespace modbus

@@ -4,12 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "bridges/modbus/diagnostics.h"
 #include "bridges/modbus/exception.h"
-#include "bridges/modbus/known_commands.h"
 #include "bridges/modbus/process_table.h"
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/write_plan.h"
@@ -25,11 +23,6 @@ class DriveUnit {
   DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order);
 
   void on_values(std::span<const process::SignalId> signals);
-  void on_commanded(std::span<const process::SignalId> signals);
-  /// By whichever way the command came.
-  void on_outcome_unknown(std::span<const process::SignalId> signals);
-  /// Status, alarms or freshness changed.
-  void on_change();
 
   /// `out` holds range.quantity.
   [[nodiscard]] std::optional<Exception> read_registers(Range range, canopen::TimePoint now,
@@ -45,19 +38,14 @@ class DriveUnit {
   /// Only measured values can be out of date; a command register never makes a read fail.
   [[nodiscard]] bool stale(process::SignalId signal, canopen::TimePoint now) const;
   [[nodiscard]] Diagnostics diagnostics(Range range, canopen::TimePoint now) const;
-  [[nodiscard]] std::variant<std::uint16_t, Exception> masked_word(const Request& request,
-                                                                   canopen::TimePoint now) const;
+  [[nodiscard]] WritePlan plan_mask(const Request& request) const;
   [[nodiscard]] WritePlan plan(const Request& request, std::span<const std::uint8_t> bytes) const;
   boost::asio::awaitable<std::optional<Exception>> write_nmt(std::uint16_t number, process::Origin origin);
-  boost::asio::awaitable<std::optional<Exception>> write_fields(std::vector<process::FieldWrite> fields,
-                                                                process::Origin origin,
-                                                                process::StillStands still_stands);
 
   process::Plant& plant_;
   std::size_t index_;
   ProcessTable table_;
   std::vector<bool> measured_;  ///< Per signal: its value comes from the drive, not from a command.
-  KnownCommands known_commands_;
   std::uint16_t last_nmt_command_ = 0;
 };
 

@@ -55,36 +55,16 @@ void Server::on_values(const process::Drive& drive, std::span<const process::Sig
   }
 }
 
-void Server::on_freshness(const process::Drive& drive, std::span<const process::SignalId> /*signals*/) {
-  // Whether a value is fresh is asked anew at every read.
-  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
-    unit->on_change();
-  }
-}
+// Whether a value is fresh, and the rest of a drive, is asked anew at every read.
+void Server::on_freshness(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
 
 void Server::on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) {
-  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
-    unit->on_commanded(signals);
-  }
+  on_values(drive, signals);
 }
 
-void Server::on_outcome_unknown(const process::Drive& drive, std::span<const process::SignalId> signals) {
-  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
-    unit->on_outcome_unknown(signals);
-  }
-}
+void Server::on_status(const process::Drive& /*drive*/) {}
 
-void Server::on_status(const process::Drive& drive) {
-  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
-    unit->on_change();
-  }
-}
-
-void Server::on_alarm(const process::Drive& drive, process::AlarmKind /*kind*/) {
-  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
-    unit->on_change();
-  }
-}
+void Server::on_alarm(const process::Drive& /*drive*/, process::AlarmKind /*kind*/) {}
 
 void Server::on_bus(std::size_t /*bus*/) {}
 

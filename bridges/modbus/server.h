@@ -47,7 +47,6 @@ class Server final : public process::Observer {
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
-  void on_outcome_unknown(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;

@@ -84,6 +84,10 @@ void Alarms::on_data_problems(const std::vector<std::string>& problems, canopen:
   show(AlarmKind::data, !problems.empty(), std::move(text), config::Severity::warning, wall);
 }
 
+void Alarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
+  show(AlarmKind::control, alarm.has_value(), alarm ? alarm->text : std::string(), config::Severity::fault, wall);
+}
+
 void Alarms::restore_emcy(const Alarm& before) {
   if (was_online_) {
     if (record(AlarmKind::emcy).continue_from(before)) {

@@ -8,6 +8,7 @@
 
 #include "bridges/process/alarm.h"
 #include "bridges/process/alarm_record.h"
+#include "bridges/process/control_alarm.h"
 #include "bridges/process/emergencies.h"
 #include "canopen/clock.h"
 #include "canopen/node/emcy.h"
@@ -33,6 +34,8 @@ class Alarms {
   void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
   /// Texts of what is wrong with TPDOs; none: nothing.
   void on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall);
+  /// Nothing: it is over.
+  void on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall);
   /// The emergency alarm as it was before the gateway's start, taken once; after the drive was online, only the
   /// identity of an error that is still active.
   void restore_emcy(const Alarm& before);

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -66,8 +65,5 @@ struct FieldWrite {
   SignalId signal = 0;
   GivenValue value;
 };
-
-/// Whether what a command was made from still stands, as in canopen/still_stands.h.
-using StillStands = std::function<bool()>;
 
 }  // namespace process

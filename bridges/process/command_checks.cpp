@@ -1,9 +1,10 @@
 #include "bridges/process/command_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
-#include "bridges/process/value_check.h"
+#include "config/value_check.h"
 
 namespace process {
 namespace {
@@ -24,24 +25,15 @@ bool is_allowed(const config::Writers& writers, Writer::Way way) {
     case Writer::Way::mqtt:
       return writers.mqtt;
     case Writer::Way::local:
+      return writers.local;
+    case Writer::Way::gateway:
       break;
   }
-  return writers.local;
+  return true;  // What the site itself has written down.
 }
 
 bool is_writable(const config::Signal& signal) {
   return config::writable(signal.access) && !signal.derived;
-}
-
-// Bits alone are no value; the arbiter has made one of them before.
-Result<canopen::Raw> check_given(const config::Signal& signal, const FieldWrite& write) {
-  if (const auto* raw = std::get_if<canopen::Raw>(&write.value)) {
-    return check_value(signal, *raw);
-  }
-  if (const auto* number = std::get_if<double>(&write.value)) {
-    return check_value(signal, *number);
-  }
-  return canopen::Error{.kind = ErrorKind::incomplete, .detail = "nobody commanded the bits to be kept"};
 }
 
 Result<Field> check_field(const config::Drive& model, const FieldWrite& write) {
@@ -62,6 +54,16 @@ Result<Field> check_field(const config::Drive& model, const FieldWrite& write) {
 }
 
 }  // namespace
+
+Result<canopen::Raw> check_given(const config::Signal& signal, const FieldWrite& write) {
+  if (const auto* raw = std::get_if<canopen::Raw>(&write.value)) {
+    return check_value(signal, *raw);
+  }
+  if (const auto* number = std::get_if<double>(&write.value)) {
+    return check_value(signal, *number);
+  }
+  return canopen::Error{.kind = ErrorKind::incomplete, .detail = "nobody commanded the bits to be kept"};
+}
 
 std::optional<Error> refuse_writer(const config::Drive& model, const Writer& writer) {
   if (is_allowed(model.commands.writers, writer.way)) {
@@ -108,6 +110,12 @@ std::optional<SignalId> writable_signal(const config::Drive& model, canopen::Obj
     return std::nullopt;
   }
   return static_cast<SignalId>(found - model.signals.begin());
+}
+
+// CiA 301 table 22: what a drive answers that does not take a mapped object by SDO at all.
+bool takes_no_sdo(const Error& error) noexcept {
+  constexpr std::array kCodes{0x06010000U, 0x06010002U, 0x06020000U, 0x06090011U};
+  return error.kind == ErrorKind::refused && std::find(kCodes.begin(), kCodes.end(), error.abort) != kCodes.end();
 }
 
 Error command_error(const config::Drive& model, ErrorKind kind, std::string detail) {

@@ -22,6 +22,9 @@ namespace process {
 /// case, since the meaning of every command hangs on it.
 [[nodiscard]] std::optional<canopen::Error> refuse_raw(const config::Drive& model, canopen::ObjectAddress object);
 
+/// The raw value of a field, checked and rounded. Bits alone are no value: the arbiter makes one of them before.
+[[nodiscard]] canopen::Result<canopen::Raw> check_given(const config::Signal& signal, const FieldWrite& write);
+
 /// All of them checked and rounded to raw values, or the first error: access, type, range. Of several fields the error
 /// names its own.
 [[nodiscard]] canopen::Result<std::vector<Field>> check_fields(const config::Drive& model,
@@ -29,6 +32,9 @@ namespace process {
 
 /// The signal through which an object is written, where there is one.
 [[nodiscard]] std::optional<SignalId> writable_signal(const config::Drive& model, canopen::ObjectAddress object);
+
+/// What a drive answers that does not take a mapped object by SDO at all.
+[[nodiscard]] bool takes_no_sdo(const canopen::Error& error) noexcept;
 
 [[nodiscard]] canopen::Error command_error(const config::Drive& model, canopen::ErrorKind kind, std::string detail);
 

@@ -2,24 +2,29 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "bridges/process/command.h"
-#include "bridges/process/command_queue.h"
-#include "bridges/process/command_sender.h"
+#include "bridges/process/command_journal.h"
+#include "bridges/process/command_lane.h"
+#include "bridges/process/commanded.h"
+#include "bridges/process/control.h"
 #include "bridges/process/image.h"
+#include "bridges/process/pending_command.h"
 #include "bridges/process/write_plan.h"
 #include "bridges/process/writer.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
+#include "canopen/event.h"
 #include "canopen/nmt.h"
 #include "canopen/node/node_events.h"
 #include "canopen/object.h"
+#include "canopen/wake_up.h"
 #include "config/model.h"
 
 namespace canopen {
@@ -28,75 +33,177 @@ class RemoteNode;
 
 namespace process {
 
-/// The arbiter: every command to one drive, whatever its way, passes here. In this order: writer allowed, access, type,
-/// range, drive reachable; then in order of arrival by RPDO or SDO; then the outcome, at the latest when the drive's
-/// deadline has passed since the arrival. Nothing is stored for later and nothing sent twice.
+/// The arbiter: every command to one drive, whatever its way, passes here. In this order: writer allowed, expired,
+/// lease, access, type, range, drive reachable; then in order of arrival by RPDO or SDO; then the outcome, at the
+/// latest when the drive's deadline has passed since the arrival. Nothing is stored for later and nothing sent twice.
+///
+/// A stop (a `control_command` of the profile's `stop` values) waits for nobody but other stops: what writes
+/// `control_command` and is older is superseded by it and never sent, and everything else lets it go first. It alone
+/// may be sent twice.
+///
+/// Parts: commands.cpp arrival, checks and order; commands_steps.cpp how one is carried out; commands_stop.cpp stops;
+/// commands_control.cpp leases and time-outs.
 class Commands {
  public:
-  /// Told of signals, in order of position.
-  using Told = std::function<void(std::span<const SignalId>)>;
+  /// Told in the same call in which it happened.
+  class Listener {
+   public:
+    /// A command of these signals, in order of position, was confirmed.
+    virtual void on_commanded(std::span<const SignalId> signals) = 0;
+    /// Holder, time-out or alarm of Control::state() changed.
+    virtual void on_control() = 0;
+    virtual void on_command_done(const CommandRecord& record, const Outcome& outcome) = 0;
 
-  /// `model`, `node` and `image` outlive it. `confirmed` is told which signals have a new commanded value, `unknown`
-  /// of which nobody knows any more what was commanded last.
-  Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node, Image& image,
-           Told confirmed, Told unknown);
+   protected:
+    ~Listener() = default;
+  };
 
-  boost::asio::awaitable<Outcome> write(Origin origin, std::vector<FieldWrite> fields, StillStands still_stands = {});
+  /// All outlive it.
+  Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node,
+           const Image& image, Listener& listener);
+
+  /// Before the first command; null: none is kept. Outlives it.
+  void set_journal(CommandJournal* journal) noexcept { journal_ = journal; }
+
+  boost::asio::awaitable<Outcome> write(Origin origin, std::vector<FieldWrite> fields);
+  /// The profile's first stop value; `unknown` where none is known.
+  boost::asio::awaitable<Outcome> stop_motor(Origin origin);
   boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command);
   boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object, canopen::DataType type);
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value);
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();
-  /// A fault came or went, or a quick stop that nobody commanded began: what was commanded before is neither to be sent
-  /// again by a set-point nor repeated.
-  void on_fault();
-  /// The motor came to a stop, or nobody can tell any more whether it turns: likewise.
-  void on_standstill();
+  /// A fault began, or a quick stop that nobody commanded: what was commanded before is neither to be sent again nor
+  /// repeated.
+  void on_fault_begin(std::string_view what);
+  void on_fault_end();
+  /// The motor came to a stop, or nobody can tell any more whether it turns.
+  void on_standstill(std::string_view what);
+  /// `running`: nothing where it is not fresh.
+  void on_running(std::optional<bool> running);
+  void on_taken_over();
+  void on_sign_of_life(const Writer& writer);
+
+  [[nodiscard]] const Commanded& commanded() const noexcept { return commanded_; }
+  [[nodiscard]] ControlState control() const { return control_.state(); }
+  /// A command with these fields is a stop.
+  [[nodiscard]] bool is_stop(std::span<const FieldWrite> fields) const;
+  /// SDO abort code of the last command that the drive refused; 0: none, or superseded or void since.
+  [[nodiscard]] std::uint32_t last_refused_abort() const noexcept { return last_refused_abort_; }
+  /// Fields that the last write that failed had written before it failed.
+  [[nodiscard]] std::size_t last_written() const noexcept { return last_written_; }
 
   /// Answers what is pending, and all that comes from now on, with `offline`.
-  void close() { queue_.close(); }
-  boost::asio::awaitable<void> until_idle() { return queue_.until_empty(); }
+  void close();
+  boost::asio::awaitable<void> until_idle();
 
  private:
-  /// What was true when a command arrived.
-  struct Arrival {
-    canopen::TimePoint deadline;
-    std::uint32_t session = 0;
-    std::uint32_t knowledge = 0;
+  /// Somebody who must have left before the owner goes.
+  class Visit {
+   public:
+    explicit Visit(Commands& owner) : owner_(owner) { ++owner_.visits_; }
+    ~Visit() {
+      --owner_.visits_;
+      owner_.changed_.notify();
+    }
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+
+   private:
+    Commands& owner_;
   };
+  using Refusal = std::optional<canopen::Error>;
 
-  [[nodiscard]] Arrival arrive() const;
-  [[nodiscard]] std::optional<canopen::Error> refuse_unreachable() const;
+  // Arrival and order.
+  [[nodiscard]] PendingCommand arrive(Origin origin, CommandRecord::Kind kind);
+  void take_fields(PendingCommand& command, std::span<const FieldWrite> fields) const;
+  [[nodiscard]] ControlUse use_of(std::span<const FieldWrite> fields) const;
+  [[nodiscard]] ControlUse use_of(const Field& field) const;
+  [[nodiscard]] canopen::Result<std::vector<FieldWrite>> resolve(std::span<const FieldWrite> fields) const;
+  [[nodiscard]] canopen::Result<std::vector<Field>> resolve_and_check(std::span<const FieldWrite> fields) const;
+  /// The word that some bits of which are to be changed.
+  [[nodiscard]] canopen::Result<canopen::Raw> base_of_bits(SignalId signal) const;
+  [[nodiscard]] Refusal refuse_asker(const PendingCommand& command) const;
+  [[nodiscard]] Refusal refuse_unreachable() const;
+  [[nodiscard]] Refusal refuse_waiting(const PendingCommand& command) const;
+  [[nodiscard]] Refusal refuse_for_time(const PendingCommand& command) const;
+  void accept(const PendingCommand& command);
+  void supersede_older(const PendingCommand& by);
+  boost::asio::awaitable<Outcome> write_in_turn(PendingCommand& command, std::vector<FieldWrite> given);
+  boost::asio::awaitable<Outcome> send_raw(PendingCommand& command, canopen::ObjectValue value);
+  boost::asio::awaitable<Outcome> send_nmt(PendingCommand& command, canopen::NmtCommand nmt);
+  boost::asio::awaitable<Refusal> await_turn(PendingCommand& command);
   /// `running`: nothing where nobody can tell.
-  [[nodiscard]] std::optional<canopen::Error> refuse_nmt(canopen::NmtCommand command,
-                                                         std::optional<bool> running) const;
+  [[nodiscard]] Refusal refuse_nmt(canopen::NmtCommand command, std::optional<bool> running) const;
   /// The same for a command that has its turn. A drive that was left alone is asked whether its motor runs.
-  boost::asio::awaitable<std::optional<canopen::Error>> refuse_nmt_now(canopen::NmtCommand command);
+  boost::asio::awaitable<Refusal> refuse_nmt_now(canopen::NmtCommand command);
+  void finish(const PendingCommand& command, Outcome& outcome);
   [[nodiscard]] canopen::Error error(canopen::ErrorKind kind, std::string detail) const;
-  [[nodiscard]] canopen::Error no_turn() const;
-  [[nodiscard]] std::optional<canopen::Error> refuse_new_session(Arrival arrival) const;
+  [[nodiscard]] canopen::Error closed_error() const;
 
-  /// Nothing where the command has its turn and the drive is still the one it was meant for.
-  boost::asio::awaitable<std::optional<canopen::Error>> await_turn(const CommandQueue::Ticket& ticket, Arrival arrival);
-  boost::asio::awaitable<Outcome> carry_out(std::vector<Field> fields, Arrival arrival, StillStands still_stands);
-  /// A step is about to be sent: what it was made from may not stand any more.
-  [[nodiscard]] std::optional<canopen::Error> refuse_outlived(const StillStands& still_stands);
-  /// What a step has left behind.
-  void tell(const WriteStep& step, const Outcome& outcome, const Arrival& arrival);
-  [[nodiscard]] static std::vector<SignalId> signals_of(const WriteStep& step);
+  // Carrying out.
+  boost::asio::awaitable<Outcome> carry_out(PendingCommand& command, std::vector<Field> remaining);
+  boost::asio::awaitable<Outcome> take_step(PendingCommand& command, std::vector<Field>& remaining);
+  boost::asio::awaitable<canopen::Result<void>> send_rpdo(PendingCommand& command, const WriteStep& step,
+                                                          std::span<const Field> borrowed);
+  boost::asio::awaitable<canopen::Result<void>> send_sdo(PendingCommand& command, const Field& field, bool as_stop);
+  void account(PendingCommand& command, const WriteStep& step, Commanded::Epoch since,
+               const canopen::Result<void>& result);
+  void take_out(PendingCommand& command, std::vector<Field>& fields, std::span<const Field> written);
+  [[nodiscard]] canopen::Error explain(canopen::Error error, SignalId signal) const;
+  boost::asio::awaitable<void> note_begin(PendingCommand& command);
+  /// Calls back the step under way, where it writes or carries `control_command` or is a raw write.
+  void call_back();
+  void on_void();
   /// Whether the motor runs; nothing where nobody can tell.
   [[nodiscard]] std::optional<bool> running() const;
 
+  // Stops.
+  struct StopParts;
+  boost::asio::awaitable<Outcome> overtake(PendingCommand& command, std::vector<FieldWrite> given);
+  [[nodiscard]] StopParts take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const;
+  void go_first(const PendingCommand& stop, canopen::Raw raw);
+  boost::asio::awaitable<Refusal> await_stop_turn(PendingCommand& command);
+  boost::asio::awaitable<canopen::Result<void>> send_stop(PendingCommand& command, std::vector<Field>& fields);
+  boost::asio::awaitable<canopen::Result<void>> stop_by_sdo(PendingCommand& command, std::vector<Field>& fields,
+                                                            bool left_by_rpdo);
+  boost::asio::awaitable<canopen::Result<void>> complete_by_reading(PendingCommand& command,
+                                                                    std::vector<Field>& fields);
+  boost::asio::awaitable<Outcome> send_rest(PendingCommand& command, std::vector<Field> fields);
+
+  // Leases and time-outs.
+  [[nodiscard]] static ControlSettings control_settings(const config::Commands& commands);
+  void on_control_time();
+  void control_changed();
+  boost::asio::awaitable<void> write_timeout_values();
+
+  boost::asio::any_io_executor executor_;
   const config::Drive& model_;
   canopen::RemoteNode& node_;
-  Image& image_;
-  Told confirmed_;
-  Told unknown_;
-  CommandQueue queue_;
-  CommandSender sender_;
+  const Image& image_;
+  Listener& listener_;
+  CommandJournal* journal_ = nullptr;
+  std::optional<SignalId> control_signal_;
+
+  Commanded commanded_;
+  Control control_;
+  ControlState told_;
+  canopen::WakeUp control_time_;
+
+  canopen::Event changed_;
+  CommandLane lane_{changed_};
+  CommandLane stops_{changed_};
+  std::size_t visits_ = 0;
+  bool closed_ = false;
   bool live_ = false;
-  std::uint32_t session_ = 0;  ///< Grows when the drive reboots, is lost or leaves operational.
+
+  std::string id_prefix_;  ///< Of what the client gave no id: unique over restarts, so that the journal is found by it.
+  std::uint64_t arrivals_ = 0;
+  std::uint64_t last_stop_ = 0;  ///< Number of the newest stop.
+  std::string last_stop_text_;   ///< What it wrote.
+  std::uint32_t last_refused_abort_ = 0;
+  std::size_t last_written_ = 0;
 };
 
 }  // namespace process

@@ -17,14 +17,7 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
       inputs_(
           model, image_, [this](std::uint16_t tpdo) { return node_.tpdo_verified(tpdo); }, *this),
       alarms_(model, [this](AlarmKind kind) { tell([&](Observer& observer) { observer.on_alarm(*this, kind); }); }),
-      commands_(
-          executor, model, node_, image_,
-          [this](std::span<const SignalId> signals) {
-            tell([&](Observer& observer) { observer.on_commanded(*this, signals); });
-          },
-          [this](std::span<const SignalId> signals) {
-            tell([&](Observer& observer) { observer.on_outcome_unknown(*this, signals); });
-          }),
+      commands_(executor, model, node_, image_, *this),
       reader_(executor, model, node_, inputs_, alarms_),
       expiry_(executor,
               [this] {
@@ -98,6 +91,9 @@ void Drive::on_boot_up() {
 }
 
 void Drive::on_arrival(canopen::Arrival arrival) {
+  if (arrival == canopen::Arrival::taken_over) {
+    commands_.on_taken_over();
+  }
   on_remark(arrival == canopen::Arrival::booted ? "configured" : "taken over as it runs");
 }
 
@@ -111,8 +107,10 @@ void Drive::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size
 }
 
 void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
-  if (!emcy.reset && name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
-    commands_.on_fault();
+  if (emcy.reset) {
+    commands_.on_fault_end();
+  } else if (name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
+    commands_.on_fault_begin("an emergency came");
   }
   alarms_.on_emcy(emcy, at, wall);
   watch_bits(at);
@@ -141,7 +139,8 @@ void Drive::on_values(SourceId source) {
 void Drive::on_stale(SourceId source) {
   if (is_from(running_, source)) {
     was_running_ = false;
-    commands_.on_standstill();
+    commands_.on_standstill("nobody can tell whether the motor turns");
+    commands_.on_running(std::nullopt);
   }
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
@@ -162,8 +161,9 @@ void Drive::void_commands(SourceId source) {
   if (is_from(running_, source)) {
     const bool running = image_.raw(running_->signal) != 0;
     if (std::exchange(was_running_, running) && !running) {
-      commands_.on_standstill();
+      commands_.on_standstill("the motor came to a stop");
     }
+    commands_.on_running(running);
   }
   if (is_from(quick_stop_, source)) {
     const bool quick_stop = image_.raw(quick_stop_->signal) != 0;
@@ -174,7 +174,7 @@ void Drive::void_commands(SourceId source) {
   if (is_from(fault_, source)) {
     const bool fault = image_.raw(fault_->signal) != 0;
     if (std::exchange(had_fault_, fault) != fault) {
-      commands_.on_fault();
+      fault ? commands_.on_fault_begin("a fault began") : commands_.on_fault_end();
     }
   }
 }
@@ -184,11 +184,28 @@ void Drive::void_commands(SourceId source) {
 void Drive::on_quick_stop() {
   constexpr canopen::Raw kNoQuickStop = 0x0004;  // Controlword bit 2, CiA 402.
   const auto control = model_.find("control_command");
-  if (control && (image_.commanded(static_cast<SignalId>(*control)) & kNoQuickStop) == 0) {
-    commands_.on_standstill();
+  const auto held = control ? commands_.commanded().held(static_cast<SignalId>(*control)) : std::nullopt;
+  if (held && (*held & kNoQuickStop) == 0) {
+    commands_.on_standstill("a quick stop began");
   } else {
-    commands_.on_fault();
+    commands_.on_fault_begin("a quick stop began");
   }
+}
+
+void Drive::on_commanded(std::span<const SignalId> signals) {
+  for (const SignalId signal : signals) {
+    inputs_.on_written(signal, commands_.commanded().shown(signal), canopen::Clock::now(), canopen::wall_now());
+  }
+  tell([&](Observer& observer) { observer.on_commanded(*this, signals); });
+}
+
+void Drive::on_control() {
+  alarms_.on_control(commands_.control().alarm, canopen::wall_now());
+  tell([&](Observer& observer) { observer.on_control(*this); });
+}
+
+void Drive::on_command_done(const CommandRecord& record, const Outcome& outcome) {
+  tell([&](Observer& observer) { observer.on_command_done(*this, record, outcome); });
 }
 
 void Drive::tell_alarms(SourceId source) {

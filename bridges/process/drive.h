@@ -32,7 +32,7 @@ namespace process {
 
 /// One drive as the bridges see it: its model, its image, its alarms, its status, and the one way for commands. What
 /// its remote node tells it hands to inputs, alarms and commands, and what changes to the observers.
-class Drive final : private canopen::NodeEvents, private Inputs::Listener {
+class Drive final : private canopen::NodeEvents, private Inputs::Listener, private Commands::Listener {
  public:
   /// `model`, `bus` and `observers` outlive the drive; `observers` may grow until start().
   Drive(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index, canopen::Bus& bus,
@@ -59,9 +59,11 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
 
   /// Writes signals, checked altogether before anything is sent (writer, access, type, range, drive reachable), then by
   /// RPDO or SDO. Confirmed when it returns a value. The error's detail names what was already written.
-  boost::asio::awaitable<Outcome> write(Origin origin, std::vector<FieldWrite> fields, StillStands still_stands = {}) {
-    return commands_.write(std::move(origin), std::move(fields), std::move(still_stands));
+  boost::asio::awaitable<Outcome> write(Origin origin, std::vector<FieldWrite> fields) {
+    return commands_.write(std::move(origin), std::move(fields));
   }
+  /// The profile's first stop value; `unknown` where none is known.
+  boost::asio::awaitable<Outcome> stop_motor(Origin origin) { return commands_.stop_motor(std::move(origin)); }
   boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command) {
     return commands_.nmt(std::move(origin), command);
   }
@@ -74,6 +76,19 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value) {
     return commands_.sdo_write(std::move(origin), value);
   }
+
+  /// A command with these fields is a stop: nothing may keep it waiting.
+  [[nodiscard]] bool is_stop(std::span<const FieldWrite> fields) const { return commands_.is_stop(fields); }
+  [[nodiscard]] const Commanded& commanded() const noexcept { return commands_.commanded(); }
+  [[nodiscard]] ControlState control() const { return commands_.control(); }
+  /// SDO abort code of the last command that the drive refused; 0: none, or one was superseded or void since.
+  [[nodiscard]] std::uint32_t last_refused_abort() const noexcept { return commands_.last_refused_abort(); }
+  /// Fields that the last write that failed had written before it failed.
+  [[nodiscard]] std::size_t last_written() const noexcept { return commands_.last_written(); }
+  /// Somebody who may command this drive shows that he is there.
+  void sign_of_life(const Writer& writer) { commands_.on_sign_of_life(writer); }
+  /// Before start(); null: none is kept. Outlives the drive.
+  void set_journal(CommandJournal* journal) noexcept { commands_.set_journal(journal); }
 
   /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
   /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
@@ -90,6 +105,9 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
   void on_start_ignored() override { reader_.check_errors(); }
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) override;
   void on_frames_lost() override;
+  std::optional<std::vector<canopen::ObjectValue>> repetition(std::uint16_t rpdo) override {
+    return commands_.commanded().repetition(rpdo);
+  }
 
   // Inputs::Listener
   void on_values(SourceId source) override;
@@ -97,6 +115,11 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener {
   void on_problems() override;
   void on_remark(const std::string& text) override;  ///< Of both.
   void on_read_wanted() override;
+
+  // Commands::Listener
+  void on_commanded(std::span<const SignalId> signals) override;
+  void on_control() override;
+  void on_command_done(const CommandRecord& record, const Outcome& outcome) override;
 
   /// A signal that decides on alarms and on what may be sent again.
   struct Indicator {

@@ -6,8 +6,7 @@
 
 namespace process {
 
-Image::Image(const config::Drive& model)
-    : values_(model.signals.size()), commanded_(model.signals.size()), source_of_(model.signals.size(), kNoSource) {
+Image::Image(const config::Drive& model) : values_(model.signals.size()), source_of_(model.signals.size(), kNoSource) {
   for (const SourcePlan& plan : plan_sources(model)) {
     for (const SignalId signal : plan.signals) {
       source_of_[signal] = static_cast<SourceId>(sources_.size());
@@ -32,10 +31,6 @@ const SourceState* Image::source_of(SignalId signal) const noexcept {
 
 bool Image::all_fresh(canopen::TimePoint now) const noexcept {
   return std::all_of(sources_.begin(), sources_.end(), [now](const SourceState& source) { return source.fresh(now); });
-}
-
-canopen::Raw Image::commanded(SignalId signal) const noexcept {
-  return commanded_[signal];
 }
 
 }  // namespace process

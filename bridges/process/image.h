@@ -41,16 +41,11 @@ class Image {
   /// Every source is fresh.
   [[nodiscard]] bool all_fresh(canopen::TimePoint now) const noexcept;
 
-  /// The value of a writable signal that was last confirmed since the gateway's start, else 0.
-  [[nodiscard]] canopen::Raw commanded(SignalId signal) const noexcept;
-
  private:
   friend class Inputs;
-  friend class Commands;
   static constexpr SourceId kNoSource = 0xFFFF;
 
   std::vector<canopen::Raw> values_;
-  std::vector<canopen::Raw> commanded_;
   std::vector<SourceId> source_of_;
   std::vector<SourceState> sources_;
 };

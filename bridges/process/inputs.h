@@ -77,6 +77,10 @@ class Inputs {
   void on_read(const ReadJob& job, const canopen::Result<canopen::Raw>& answer, canopen::TimePoint at,
                canopen::WallTime wall);
 
+  /// A command of a readable signal was confirmed: what was written is shown, and read back before everything else that
+  /// is polled. A drive that holds something else is remarked.
+  void on_written(SignalId signal, canopen::Raw raw, canopen::TimePoint at, canopen::WallTime wall);
+
   /// While set, an on-change TPDO is read by SDO at each poll too: somebody waits for its next value.
   void watch(SourceId source, bool watched, canopen::TimePoint now);
   /// How long three of them are what a value needs to be believed: the period of a TPDO, else the poll.
@@ -96,6 +100,7 @@ class Inputs {
     bool told_fresh = false;
     bool watched = false;
     bool told_longer = false;
+    std::optional<canopen::Raw> written;  ///< And not read back yet.
   };
 
   [[nodiscard]] SourceId source_count() const noexcept { return static_cast<SourceId>(plans_.size()); }

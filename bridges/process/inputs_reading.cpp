@@ -1,6 +1,7 @@
 // Which objects Inputs wants read by SDO, and what their answers mean.
 
 #include <algorithm>
+#include <utility>
 
 #include "bridges/process/inputs.h"
 
@@ -17,6 +18,10 @@ constexpr Duration kAbsentObject = std::chrono::seconds(60);
 constexpr Duration kSilentObject = std::chrono::seconds(10);
 
 using canopen::kNever;
+
+std::string integer_text(canopen::DataType type, canopen::Raw raw) {
+  return canopen::is_signed(type) ? std::to_string(static_cast<std::int64_t>(raw)) : std::to_string(raw);
+}
 
 bool is_absence(const canopen::Error& error) {
   // CiA 301 table 22: object, sub-index does not exist; no read access.
@@ -79,6 +84,34 @@ void Inputs::on_round_complete(SourceId source, TimePoint at, canopen::WallTime 
     round.schedule_next(at);
   }
   apply(source, round.values(), at, wall, on_change ? kNever : at + kFreshPeriods * plans_[source].poll);
+  if (const auto written = std::exchange(feeds_[source].written, std::nullopt)) {
+    const SignalId signal = plans_[source].words.front().signal;
+    if (image_.raw(signal) != *written) {
+      const canopen::DataType type = model_.signals[signal].type;
+      listener_.on_remark(model_.signals[signal].name + " was written and confirmed as " +
+                          integer_text(type, *written) + ", but the drive holds " +
+                          integer_text(type, image_.raw(signal)) + " (raw)");
+    }
+  }
+}
+
+void Inputs::on_written(SignalId signal, canopen::Raw raw, TimePoint at, canopen::WallTime wall) {
+  const SourceState* state = image_.source_of(signal);
+  if (state == nullptr) {
+    return;
+  }
+  const auto source = static_cast<SourceId>(state - image_.sources().data());
+  // A TPDO tells by itself.
+  if (is_tpdo(source) || !online_) {
+    return;
+  }
+  Feed& feed = feeds_[source];
+  feed.written = raw;
+  feed.round.cancel();  // What is being read is older.
+  feed.round.schedule(TimePoint{});
+  const std::vector<canopen::Raw> values(plans_[source].values, raw);
+  apply(source, values, at, wall, at + kFreshPeriods * plans_[source].poll);
+  listener_.on_read_wanted();
 }
 
 void Inputs::on_round_failed(SourceId source, const canopen::Error& error, TimePoint at) {

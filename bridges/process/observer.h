@@ -10,6 +10,8 @@
 namespace process {
 
 class Drive;
+struct CommandRecord;
+struct Outcome;
 
 /// What a bridge is told, in the same synchronous call in which it happened. It never calls back into the drive from
 /// inside, but reads it as it likes. Nothing here waits.
@@ -19,11 +21,12 @@ class Observer {
   virtual void on_values(const Drive& drive, std::span<const SignalId> signals) = 0;
   /// These signals are not fresh any more, or freshness came back without a new value.
   virtual void on_freshness(const Drive& drive, std::span<const SignalId> signals) = 0;
-  /// A command was confirmed: Image::commanded() of these changed.
+  /// A command was confirmed: Drive::commanded() of these changed.
   virtual void on_commanded(const Drive& drive, std::span<const SignalId> signals) = 0;
-  /// Nobody knows what of these stands: the outcome of a command is unknown, or the drive left operational, faulted or
-  /// came to a stop before its confirmation came.
-  virtual void on_outcome_unknown(const Drive& /*drive*/, std::span<const SignalId> /*signals*/) {}
+  /// Who keeps the drive to himself, or what a time-out did: Drive::control() changed.
+  virtual void on_control(const Drive& /*drive*/) {}
+  /// A command was answered.
+  virtual void on_command_done(const Drive& /*drive*/, const CommandRecord& /*record*/, const Outcome& /*outcome*/) {}
   /// Online, NMT state, boot result or counters changed.
   virtual void on_status(const Drive& drive) = 0;
   virtual void on_alarm(const Drive& drive, AlarmKind kind) = 0;

@@ -1,9 +1,10 @@
 #include "bridges/process/write_plan.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 
-#include "canopen/node/remote_node.h"
+#include "bridges/process/commanded.h"
 
 namespace process {
 namespace {
@@ -14,27 +15,14 @@ bool is_control(const config::Drive& model, const Field& field) {
   return model.signals[field.signal].name == kControlCommand;
 }
 
-bool has_control(const config::Drive& model, const WriteStep& step) {
-  return std::any_of(step.fields.begin(), step.fields.end(),
-                     [&](const Field& field) { return is_control(model, field); });
-}
-
 // The RPDO of the first of these fields with all others of it, or nothing where they do not complete it.
-WriteStep rpdo_step(const config::Drive& model, const canopen::RemoteNode& node, const Field& first,
-                    std::span<const Field> remaining) {
-  WriteStep step;
-  step.rpdo = node.rpdo_of(model.signals[first.signal].object);
-  if (step.rpdo == 0) {
+WriteStep rpdo_step(const Commanded& commanded, const Field& first, std::span<const Field> remaining) {
+  const std::uint16_t rpdo = commanded.rpdo_of(first.signal);
+  if (rpdo == 0) {
     return {};
   }
-  std::vector<canopen::ObjectValue> values;
-  for (const Field& field : remaining) {
-    if (node.rpdo_of(model.signals[field.signal].object) == step.rpdo) {
-      step.fields.push_back(field);
-      values.push_back(object_value(model, field));
-    }
-  }
-  return node.rpdo_complete(step.rpdo, values) ? step : WriteStep{};
+  WriteStep step{rpdo, fields_of(commanded, rpdo, remaining)};
+  return commanded.values(rpdo, step.fields) ? step : WriteStep{};
 }
 
 const config::Signal* signal_of(const config::Drive& model, canopen::ObjectAddress object) {
@@ -75,20 +63,28 @@ std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Fiel
   return ordered;
 }
 
-WriteStep next_step(const config::Drive& model, const canopen::RemoteNode& node, std::span<const Field> remaining,
-                    bool allow_rpdo) {
+WriteStep next_step(const Commanded& commanded, std::span<const Field> remaining) {
   WriteStep last;
   for (const Field& field : remaining) {
-    WriteStep step = allow_rpdo ? rpdo_step(model, node, field, remaining) : WriteStep{};
+    WriteStep step = rpdo_step(commanded, field, remaining);
     if (step.fields.empty()) {
       step = {0, {field}};
     }
-    if (!has_control(model, step)) {
+    const bool writes_control = std::any_of(step.fields.begin(), step.fields.end(),
+                                            [&](const Field& each) { return commanded.is_control(each.signal); });
+    if (!writes_control) {
       return step;
     }
     last = std::move(step);
   }
   return last;
+}
+
+std::vector<Field> fields_of(const Commanded& commanded, std::uint16_t rpdo, std::span<const Field> fields) {
+  std::vector<Field> found;
+  std::copy_if(fields.begin(), fields.end(), std::back_inserter(found),
+               [&](const Field& field) { return commanded.rpdo_of(field.signal) == rpdo; });
+  return found;
 }
 
 canopen::ObjectValue object_value(const config::Drive& model, const Field& field) {

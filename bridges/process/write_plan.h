@@ -9,11 +9,9 @@
 #include "canopen/object.h"
 #include "config/model.h"
 
-namespace canopen {
-class RemoteNode;
-}
-
 namespace process {
+
+class Commanded;
 
 /// A checked value on its way to the drive.
 struct Field {

@@ -9,9 +9,11 @@ std::string to_string(const Writer& writer) {
     case Writer::Way::mqtt:
       return "mqtt";
     case Writer::Way::local:
+      return writer.user.empty() ? "local" : "local " + writer.user;
+    case Writer::Way::gateway:
       break;
   }
-  return "local";
+  return "gateway";
 }
 
 }  // namespace process

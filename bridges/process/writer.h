@@ -5,9 +5,10 @@
 
 namespace process {
 
-/// Who gives a command: a Modbus client by its address, MQTT as a whole, or the local command line.
+/// Who gives a command: a Modbus client by its address, MQTT as a whole, the local command line, or the gateway
+/// itself (what a time-out writes).
 struct Writer {
-  enum class Way : std::uint8_t { modbus, mqtt, local };
+  enum class Way : std::uint8_t { modbus, mqtt, local, gateway };
   Way way = Way::local;
   std::string address;  ///< Of the Modbus client, without its port; empty otherwise.
   std::string user{};   ///< Of the local command, by the kernel's word; empty otherwise.
@@ -16,7 +17,7 @@ struct Writer {
   friend bool operator==(const Writer& a, const Writer& b) noexcept { return a.way == b.way && a.address == b.address; }
 };
 
-/// `modbus 192.0.2.7`, `mqtt`, `local`
+/// `modbus 192.0.2.7`, `mqtt`, `local root`, `gateway`
 [[nodiscard]] std::string to_string(const Writer& writer);
 
 }  // namespace process

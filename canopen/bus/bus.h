@@ -58,9 +58,10 @@ class Bus final : private LinkEvents {
   /// Queues a frame that is to be with the kernel before `until`. `told` is called once, possibly from inside, and must
   /// not call the bus. The frame belongs to the ticket, which must go before the bus.
   ///
-  /// NMT and commands are refused while the bus is down, or takes none until an echo returns. They and repetitions are
-  /// handed over only where a frame was received or echoed within the last second; on a silent bus our heartbeat goes
-  /// first to find out. So without a heartbeat of ours a command on a silent bus is never sent.
+  /// NMT and commands are refused while the bus is down, or takes none until an echo returns; a stop only while it is
+  /// down. They and repetitions are handed over only where a frame was received or echoed within the last second; on a
+  /// silent bus our heartbeat goes first to find out. So without a heartbeat of ours a command on a silent bus is never
+  /// sent.
   [[nodiscard]] Ticket send(TransmitClass transmit_class, const Frame& frame, TimePoint until, Ticket::Told told = {});
 
   /// Every frame that was received before this moment has been delivered (Link::heard_until).

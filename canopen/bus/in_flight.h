@@ -51,6 +51,7 @@ class InFlight {
   [[nodiscard]] TimePoint next_time(bool motion_waits) const noexcept;
 
   [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
+  /// What starts motors waits for the proof that all before it has gone, a stop only for what moves or stops motors.
   [[nodiscard]] bool leaves_room_for(TransmitClass transmit_class, const Frame& frame, TimePoint now) const noexcept;
   /// Whether a command has gone is not known, and no other is taken.
   [[nodiscard]] bool refuses_commands() const noexcept;

@@ -15,8 +15,8 @@ namespace canopen {
 /// by others through withdraw(); when it goes, a command that still waits is withdrawn.
 class Transmission {
  public:
-  /// `transmit_class`: nmt or command. `bus` outlives the transmission. `on_left` is called when its echo comes, before
-  /// result() returns: an answer may follow in the same batch. Like Ticket::Told it must not call the bus.
+  /// `transmit_class`: stop, nmt or command. `bus` outlives the transmission. `on_left` is called when its echo comes,
+  /// before result() returns: an answer may follow in the same batch. Like Ticket::Told it must not call the bus.
   Transmission(Bus& bus, TransmitClass transmit_class, const Frame& frame, TimePoint deadline,
                std::function<void()> on_left = {});
   ~Transmission();
@@ -25,7 +25,7 @@ class Transmission {
 
   /// Not handed over by the deadline, or withdrawn: `timeout`. Handed over without an echo by the deadline or in time
   /// (TransmitTimes::echo): `timeout` with outcome_unknown, and the bus takes no command until an echo returns.
-  /// `offline` while the bus is down or takes none. To be awaited once.
+  /// `offline` while the bus is down or, a stop excepted, takes none. To be awaited once.
   boost::asio::awaitable<Result<void>> result();
   /// Not handed over yet, it never leaves; else nothing changes.
   void withdraw() { ticket_.withdraw(); }

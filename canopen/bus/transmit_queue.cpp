@@ -6,11 +6,17 @@
 namespace canopen {
 namespace {
 
-/// By which what waits is sorted. SDO frames and repetitions keep their order: a node with a high id has its turn, too.
+/// By which what waits is sorted. Stops, SDO frames and repetitions keep their order: a node with a high id has its
+/// turn, too.
 std::uint64_t rank(const Outgoing& outgoing) noexcept {
   const TransmitClass of = outgoing.transmit_class;
-  const bool in_turn = of == TransmitClass::sdo || of == TransmitClass::repetition;
+  const bool in_turn = of == TransmitClass::stop || of == TransmitClass::sdo || of == TransmitClass::repetition;
   return std::uint64_t{static_cast<std::uint8_t>(of)} << 32U | (in_turn ? 0 : outgoing.frame.id);
+}
+
+/// What an unproven command before it keeps out. A stop waits for that proof instead.
+bool is_refusable(TransmitClass transmit_class) noexcept {
+  return is_command(transmit_class) && transmit_class != TransmitClass::stop;
 }
 
 }  // namespace
@@ -22,11 +28,11 @@ TransmitQueue::TransmitQueue(Link& link, TransmitTimes times, bool has_heartbeat
 
 Ticket TransmitQueue::push(TransmitClass transmit_class, const Frame& frame, TimePoint until, Told told,
                            TimePoint now) {
-  if (!up_ || (is_command(transmit_class) && in_flight_.refuses_commands())) {
+  if (!up_ || (is_refusable(transmit_class) && in_flight_.refuses_commands())) {
     tell(told, Departure::offline);
     return {};
   }
-  if (until <= now || waiting_.size() >= kCapacity) {
+  if (until <= now || !make_room(transmit_class)) {
     tell(told, Departure::withdrawn);
     return {};
   }
@@ -36,6 +42,19 @@ Ticket TransmitQueue::push(TransmitClass transmit_class, const Frame& frame, Tim
                                       [](const Outgoing& other, std::uint64_t mine) { return rank(other) > mine; });
   waiting_.insert(place, std::move(pushed));
   return {*this, last_id_};
+}
+
+bool TransmitQueue::make_room(TransmitClass for_class) {
+  if (waiting_.size() < kCapacity) {
+    return true;
+  }
+  Outgoing& last = waiting_.front();
+  if (for_class != TransmitClass::stop || last.transmit_class == TransmitClass::stop) {
+    return false;
+  }
+  tell(last.told, Departure::withdrawn);
+  waiting_.erase(waiting_.begin());
+  return true;
 }
 
 bool TransmitQueue::waits(std::uint64_t id) const noexcept {
@@ -85,7 +104,7 @@ void TransmitQueue::service(TimePoint now) {
   // After a stall the echo of what is late may lie in the socket.
   in_flight_.give_up_late(in_flight_.any_late(now) ? std::min(now, link_.heard_until()) : now, last_sign_of_life_);
   if (in_flight_.refuses_commands()) {
-    drop_waiting([](const Outgoing& entry) { return is_command(entry.transmit_class); }, Departure::offline);
+    drop_waiting([](const Outgoing& entry) { return is_refusable(entry.transmit_class); }, Departure::offline);
   }
   if (retry_at_ && now < *retry_at_) {
     return;

@@ -19,12 +19,15 @@ namespace canopen {
 /// Everything that waits to leave on one bus, by class, then COB-ID, then age. The kernel gets very few frames at a
 /// time, the next one when an echo came back: so a frame past its time is dropped here instead of leaving when a cable
 /// is plugged in an hour later. In the kernel are at most:
-/// - one that can move a motor (NMT, command, repetition), and only while the bus shows life and no frame of ours is
-///   stuck. Without its echo in time no other one follows until an echo proves that it has gone;
+/// - one that can move a motor or stop it (stop, NMT, command, repetition), and only while the bus shows life and no
+///   frame of ours is stuck. Without its echo in time no other one follows until an echo proves that it has gone;
 /// - one of each COB-ID of control, so that nothing keeps our heartbeat and SYNC back, nor one the other;
 /// - one of SDO.
 /// The last two give their place to the next of their kind once their echo is late on a bus that lives, or may have
 /// been lost. What can move a motor still waits for the proof that they have gone (InFlight).
+///
+/// A stop waits for its place behind the frame that moves a motor, so that they leave in that order, and until its time
+/// for the proof that such a frame has gone; but for nothing else of ours. A full queue makes room for it.
 ///
 /// Has no timer of its own: the owner calls service() at next_time() and after each event.
 class TransmitQueue {
@@ -45,7 +48,8 @@ class TransmitQueue {
   TransmitQueue(const TransmitQueue&) = delete;
   TransmitQueue& operator=(const TransmitQueue&) = delete;
 
-  /// Queues a frame that is to be with the kernel before `until`. The ticket must go before the queue.
+  /// Queues a frame that is to be with the kernel before `until`. The ticket must go before the queue. For a stop the
+  /// newest frame of the lowest class is withdrawn where the queue is full.
   [[nodiscard]] Ticket push(TransmitClass transmit_class, const Frame& frame, TimePoint until, Told told,
                             TimePoint now);
 
@@ -68,6 +72,7 @@ class TransmitQueue {
  private:
   friend class Ticket;
 
+  [[nodiscard]] bool make_room(TransmitClass for_class);
   [[nodiscard]] bool waits(std::uint64_t id) const noexcept;
   void drop(std::uint64_t id);
   void withdraw(std::uint64_t id);

@@ -27,11 +27,6 @@ bool shows(const MotorSign& sign, Raw raw) noexcept {
   return std::find(sign.values.begin(), sign.values.end(), raw & sign.mask) != sign.values.end();
 }
 
-bool is_stop(const MotorSigns& motor, Raw control) noexcept {
-  return std::any_of(motor.stops.begin(), motor.stops.end(),
-                     [&](const StopWord& stop) { return (control & stop.mask) == stop.equals; });
-}
-
 boost::asio::awaitable<std::optional<bool>> read_running(SdoClient& sdo, const MotorSigns& motor) {
   if (!motor.running) {
     co_return std::nullopt;

@@ -13,8 +13,6 @@ class SdoClient;
 
 /// Whether `raw`, read of its object, shows the sign.
 [[nodiscard]] bool shows(const MotorSign& sign, Raw raw) noexcept;
-/// The control command only ever stops.
-[[nodiscard]] bool is_stop(const MotorSigns& motor, Raw control) noexcept;
 
 /// `running`, read by SDO; nothing where no object tells it, or it cannot be read. The arguments outlive the call.
 boost::asio::awaitable<std::optional<bool>> read_running(SdoClient& sdo, const MotorSigns& motor);

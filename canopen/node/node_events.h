@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "canopen/clock.h"
 #include "canopen/nmt.h"
@@ -37,7 +38,7 @@ enum class Arrival : std::uint8_t {
 };
 
 /// What a remote node tells the process image. Called from the loop; receivers never call back into the node from
-/// inside but through posted work, except RemoteNode::void_rpdos().
+/// inside but through posted work, except RemoteNode::withdraw_command() and repetition_changed().
 class NodeEvents {
  public:
   /// Any field of the status changed (heartbeat times alone do not count).
@@ -55,6 +56,9 @@ class NodeEvents {
   virtual void on_emcy(const Emcy& emcy, TimePoint at, WallTime wall) = 0;
   /// Frames of this bus were lost before we read them: TPDO values are suspect until refreshed.
   virtual void on_frames_lost() = 0;
+  /// What an RPDO that the node supervises is to be repeated with now, one value for each commanded field; nothing: it
+  /// is not repeated.
+  virtual std::optional<std::vector<ObjectValue>> repetition(std::uint16_t /*rpdo*/) { return std::nullopt; }
   /// Something that a person should know and nothing acts upon: for the log.
   virtual void on_remark(const std::string& /*text*/) {}
 

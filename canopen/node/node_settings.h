@@ -46,7 +46,9 @@ struct PdoSettings {
   std::optional<std::uint8_t> transmission_type{};  ///< Nothing: left as the drive has it.
   std::optional<std::uint16_t> inhibit_time{};      ///< Sub 3 as the device counts it (CiA 301: 100 us).
   std::optional<std::uint16_t> event_timer{};       ///< Sub 5 in ms.
-  std::vector<MappedObject> mapping{};              ///< At most 64 bits in all.
+  /// RPDO: somebody relies on it, so it must be written (whatever `communication` says, but for verify) and read back.
+  bool event_timer_required = false;
+  std::vector<MappedObject> mapping{};  ///< At most 64 bits in all.
   /// TPDO: how often it comes (event timer or n SYNCs); zero: on change. Freshness hangs on it.
   Duration period{};
   /// TPDO on change: two never come closer to each other (its inhibit time); zero: no such limit is known.
@@ -108,9 +110,23 @@ struct MotorSigns {
   std::optional<MotorSign> fault{};
   std::optional<ObjectAddress> control{};  ///< The control command, as the node holds it.
   DataType control_type = DataType::u16;
-  std::vector<StopWord> stops{};
+  std::vector<StopWord> stops{};  ///< Exact values, in their order, before masks.
   friend bool operator==(const MotorSigns&, const MotorSigns&) = default;
 };
+
+/// The control command only ever stops.
+[[nodiscard]] inline bool is_stop(const MotorSigns& motor, Raw control) noexcept {
+  return std::any_of(motor.stops.begin(), motor.stops.end(),
+                     [control](const StopWord& stop) { return (control & stop.mask) == stop.equals; });
+}
+
+/// The first exact value that only ever stops, as the control command's type holds it; nothing where none is known.
+[[nodiscard]] inline std::optional<Raw> first_stop(const MotorSigns& motor) noexcept {
+  const Raw width = ~Raw{0} >> (64U - bit_length(motor.control_type));
+  const auto exact = std::find_if(motor.stops.begin(), motor.stops.end(),
+                                  [width](const StopWord& stop) { return (stop.mask & width) == width; });
+  return exact == motor.stops.end() ? std::nullopt : std::optional(normalise(motor.control_type, exact->equals));
+}
 
 struct NodeSettings {
   std::uint8_t node = 1;            ///< 1..127

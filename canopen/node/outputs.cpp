@@ -1,118 +1,93 @@
 #include "canopen/node/outputs.h"
 
 #include <algorithm>
-#include <optional>
+#include <array>
 #include <utility>
 
 #include "canopen/bus/transmission.h"
 
 namespace canopen {
 
-/// One who wants to send, in the line of all who do.
-class Outputs::Turn {
+/// An RPDO that somebody sends, where it can be withdrawn.
+class Outputs::Sending {
  public:
-  Turn(Outputs& owner, Entry& what) : entry(what), owner_(owner) { owner_.turns_.push_back(this); }
-  ~Turn() {
-    std::erase(owner_.turns_, this);
-    owner_.turn_event_.notify();
+  Sending(Outputs& owner, Entry& what, const Frame& frame, TransmitClass transmit_class, TimePoint deadline)
+      : entry(what), owner_(owner), transmission_(owner.bus_, transmit_class, frame, deadline) {
+    owner_.sendings_.push_back(this);
   }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
+  ~Sending() {
+    std::erase(owner_.sendings_, this);
+    owner_.idle_.notify();
+  }
+  Sending(const Sending&) = delete;
+  Sending& operator=(const Sending&) = delete;
 
-  [[nodiscard]] bool mine() const noexcept { return owner_.turns_.front() == this; }
-  /// It is not to leave any more, unless the kernel already has it.
-  void refuse(Error why) {
-    refusal = std::move(why);
-    if (transmission) {
-      transmission->withdraw();
-    }
-  }
+  boost::asio::awaitable<Result<void>> result() { return transmission_.result(); }
+  void withdraw() { transmission_.withdraw(); }
 
   Entry& entry;
-  std::optional<Error> refusal;
-  std::optional<Transmission> transmission;  ///< While its RPDO waits for its departure.
+  std::optional<Error> refusal;  ///< Why it was withdrawn, where that is to be told.
 
  private:
   Outputs& owner_;
+  Transmission transmission_;
 };
 
-Outputs::Entry::Entry(Outputs& owner, const boost::asio::any_io_executor& executor, const PdoSettings& settings)
-    : rpdo(settings), period(repeat_time(settings)), wake_up(executor, [&owner, this] { owner.on_due(*this); }) {}
+Outputs::Entry::Entry(Outputs& owner, const boost::asio::any_io_executor& executor, const PdoSettings& of)
+    : settings(of),
+      plan(settings.mapping),
+      period(repeat_time(settings)),
+      wake_up(executor, [&owner, this] { owner.on_due(*this); }) {}
 
 Outputs::Outputs(const boost::asio::any_io_executor& executor, Bus& bus, std::uint8_t node,
-                 std::span<const PdoSettings> rpdos)
-    : bus_(bus), node_(node), turn_event_(executor) {
+                 std::span<const PdoSettings> rpdos, Image image)
+    : bus_(bus), node_(node), image_(std::move(image)), idle_(executor) {
   for (const PdoSettings& settings : rpdos) {
     entries_.emplace_back(*this, executor, settings);
   }
 }
 
-std::uint16_t Outputs::rpdo_of(ObjectAddress object) const noexcept {
-  const auto found =
-      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.rpdo.maps(object); });
-  return found == entries_.end() ? std::uint16_t{0} : found->rpdo.number();
-}
-
-bool Outputs::complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept {
-  return std::any_of(entries_.begin(), entries_.end(),
-                     [&](const Entry& entry) { return entry.rpdo.number() == number && entry.rpdo.complete(fields); });
-}
-
-boost::asio::awaitable<Result<void>> Outputs::send(std::uint16_t number, std::vector<ObjectValue> fields,
+boost::asio::awaitable<Result<void>> Outputs::send(std::uint16_t number, Values values, TransmitClass transmit_class,
                                                    TimePoint deadline) {
   const auto entry =
-      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.rpdo.number() == number; });
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.settings.number == number; });
   if (entry == entries_.end()) {
     co_return error(ErrorKind::unknown, "no RPDO" + std::to_string(number));
   }
-  Turn turn(*this, *entry);
-  while (!turn.mine() && !turn.refusal && Clock::now() < deadline) {
-    co_await turn_event_.wait_until(deadline);
-  }
-  if (turn.refusal) {
-    co_return *turn.refusal;
-  }
-  if (!turn.mine()) {
-    co_return error(ErrorKind::timeout, "not begun: other RPDOs were on their way");
-  }
-  co_return co_await transmit(turn, fields, deadline);
-}
-
-boost::asio::awaitable<Result<void>> Outputs::transmit(Turn& turn, std::span<const ObjectValue> fields,
-                                                       TimePoint deadline) {
-  Entry& entry = turn.entry;
-  const std::optional<Frame> frame = entry.rpdo.begin(fields);
+  const std::optional<Frame> frame = frame_of(*entry, values);
   if (!frame) {
-    co_return error(ErrorKind::incomplete,
-                    "RPDO" + std::to_string(entry.rpdo.number()) + " has fields that nobody commanded");
+    co_return error(ErrorKind::incomplete, "RPDO" + std::to_string(number) + " has fields that nobody commanded");
   }
-  entry.repetition.reset();  // It is older.
-  Result<void> left = co_await turn.transmission.emplace(bus_, TransmitClass::command, *frame, deadline).result();
-  turn.transmission.reset();
+  entry->repetition.reset();  // It is older.
+  Sending sending(*this, *entry, *frame, transmit_class, deadline);
+  Result<void> left = co_await sending.result();
   if (left.has_value()) {
-    entry.rpdo.left();
-    entry.due = Clock::now() + entry.period;
-    entry.pause_end = {};
-  } else if (left.error().outcome_unknown) {
-    entry.rpdo.outcome_unknown();
-  } else if (turn.refusal) {
-    left = *turn.refusal;
-  }
-  if (entry.period > Duration::zero() && entry.rpdo.repeated()) {
-    entry.wake_up.arm(entry.due);
-  }
-  if (left.has_error()) {
-    Error failure = left.error();
+    entry->repeats = true;
+    entry->due = Clock::now() + entry->period;
+    entry->pause_end = {};
+  } else {
+    // Where nobody knows whether it has left, repeating the one before might undo it.
+    entry->repeats = entry->repeats && !left.error().outcome_unknown;
+    Error failure = sending.refusal && left.error().not_sent ? *sending.refusal : left.error();
     failure.node = node_;
     left = failure;
   }
+  if (entry->repeats && entry->period > Duration::zero()) {
+    entry->wake_up.arm(entry->due);
+  }
   co_return left;
+}
+
+void Outputs::withdraw() {
+  for (Sending* sending : sendings_) {
+    sending->withdraw();
+  }
 }
 
 void Outputs::hold(ObjectAddress object) {
   const TimePoint now = Clock::now();
   for (Entry& entry : entries_) {
-    if (!entry.rpdo.maps(object)) {
+    if (!maps(entry, object)) {
       continue;
     }
     if (entry.pause_end == TimePoint{}) {
@@ -128,12 +103,11 @@ void Outputs::hold(ObjectAddress object) {
   }
 }
 
-void Outputs::note(const ObjectValue& value) {
+void Outputs::refresh(ObjectAddress object) {
   for (Entry& entry : entries_) {
-    if (!entry.rpdo.maps(value.object)) {
+    if (!maps(entry, object)) {
       continue;
     }
-    entry.rpdo.note(value);
     if (entry.repetition.waiting() || entry.pause_end == TimePoint{} || Clock::now() >= entry.due) {
       repeat(entry);
     } else {
@@ -142,41 +116,68 @@ void Outputs::note(const ObjectValue& value) {
   }
 }
 
-void Outputs::forget(ObjectAddress object) {
+void Outputs::look_again() {
   for (Entry& entry : entries_) {
-    if (entry.rpdo.maps(object)) {
-      entry.rpdo.forget(object);
-      entry.repetition.reset();
+    if (entry.repetition.waiting() && wanted(entry) != entry.repeated) {
+      repeat(entry);
     }
   }
 }
 
 void Outputs::cease() {
-  make_void(false);
-  for (Turn* turn : turns_) {
-    turn->refuse(error(ErrorKind::offline, "withdrawn: the drive was lost, rebooted, or left operational"));
-  }
-  turn_event_.notify();
-}
-
-void Outputs::make_void(bool keep_repeating) {
   for (Entry& entry : entries_) {
-    entry.rpdo.make_void(keep_repeating);
-    if (!keep_repeating) {
-      entry.repetition.reset();
-    }
+    entry.repeats = false;
+    entry.repetition.reset();
   }
-  Turn* turn = under_way();
-  if (turn != nullptr && turn->entry.rpdo.relies_on_known()) {
-    turn->refuse(
-        error(ErrorKind::incomplete, "withdrawn: the motor came to a stop, which makes earlier commands void"));
+  for (Sending* sending : sendings_) {
+    sending->refusal = error(ErrorKind::offline, "withdrawn: the drive was lost, rebooted, or left operational");
+    sending->refusal->not_sent = true;
   }
+  withdraw();
 }
 
 boost::asio::awaitable<void> Outputs::until_idle() {
-  while (!turns_.empty()) {
-    co_await turn_event_.wait_until(TimePoint::max());
+  while (!sendings_.empty()) {
+    co_await idle_.wait_until(TimePoint::max());
   }
+}
+
+bool Outputs::maps(const Entry& entry, ObjectAddress object) noexcept {
+  const auto& mapping = entry.settings.mapping;
+  return std::any_of(mapping.begin(), mapping.end(),
+                     [&](const MappedObject& mapped) { return is_commanded(mapped) && mapped.object == object; });
+}
+
+std::optional<Frame> Outputs::frame_of(const Entry& entry, std::span<const ObjectValue> values) {
+  const auto& mapping = entry.settings.mapping;
+  if (mapping.empty() ||
+      !std::all_of(values.begin(), values.end(), [&](const auto& value) { return maps(entry, value.object); })) {
+    return std::nullopt;
+  }
+  std::array<Raw, kMaxPdoFields> raw{};
+  for (std::size_t i = 0; i < mapping.size(); ++i) {
+    const auto value = std::find_if(values.begin(), values.end(),
+                                    [&](const ObjectValue& each) { return each.object == mapping[i].object; });
+    if (is_unnamed(mapping[i]) || (is_commanded(mapping[i]) && value == values.end())) {
+      return std::nullopt;
+    }
+    raw[i] = is_commanded(mapping[i]) ? value->raw : 0;
+  }
+  const auto bytes = entry.plan.encode(std::span(raw).first(mapping.size()));
+  return make_frame(entry.settings.cob_id, std::span(bytes).first(entry.plan.byte_count()));
+}
+
+std::optional<Frame> Outputs::wanted(const Entry& entry) const {
+  if (!entry.repeats || entry.period == Duration::zero()) {
+    return std::nullopt;
+  }
+  const std::optional<Values> values = image_(entry.settings.number);
+  return values ? frame_of(entry, *values) : std::nullopt;
+}
+
+bool Outputs::sends(const Entry& entry) const noexcept {
+  return std::any_of(sendings_.begin(), sendings_.end(),
+                     [&](const Sending* sending) { return &sending->entry == &entry; });
 }
 
 void Outputs::on_due(Entry& entry) {
@@ -188,10 +189,13 @@ void Outputs::on_due(Entry& entry) {
 }
 
 void Outputs::repeat(Entry& entry) {
-  const std::optional<Frame> frame = entry.rpdo.repeated();
-  const Turn* turn = under_way();
+  const std::optional<Frame> frame = wanted(entry);
+  if (!frame) {
+    entry.repetition.reset();
+    return;
+  }
   // While a command of this RPDO waits, or its departure is not yet noted, what was repeated is older. Its end goes on.
-  if (!frame || entry.period == Duration::zero() || (turn != nullptr && &turn->entry == &entry)) {
+  if (sends(entry)) {
     return;
   }
   // One that waits keeps its place, or drives behind many others would never hear theirs.
@@ -205,10 +209,6 @@ void Outputs::repeat(Entry& entry) {
   }
   entry.due = Clock::now() + entry.period;
   entry.wake_up.arm(entry.due);
-}
-
-Outputs::Turn* Outputs::under_way() const noexcept {
-  return !turns_.empty() && turns_.front()->transmission ? turns_.front() : nullptr;
 }
 
 Error Outputs::error(ErrorKind kind, std::string detail) const {

@@ -19,6 +19,14 @@ inline constexpr std::size_t kMaxPdoFields = 64;  ///< 64 objects of one bit (Ci
   return object.index >= 0x0001 && object.index <= 0x0007;
 }
 
+/// A gap carries nothing, so nobody needs to command it.
+[[nodiscard]] constexpr bool is_commanded(const MappedObject& mapped) noexcept {
+  return mapped.use == FieldUse::commanded && !is_dummy(mapped.object);
+}
+[[nodiscard]] constexpr bool is_unnamed(const MappedObject& mapped) noexcept {
+  return mapped.use == FieldUse::unnamed && !is_dummy(mapped.object);
+}
+
 /// Where the values of one PDO lie, worked out once from its mapping. Fields may start at any bit and be 1 to 64 bits
 /// wide; bit 0 of the PDO is bit 0 of byte 0 (CiA 301 §7.3.5.1). Neither decode() nor encode() allocates.
 class PdoPlan {

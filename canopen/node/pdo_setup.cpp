@@ -22,6 +22,11 @@ constexpr Raw kRtrForbidden = 0x4000'0000;  // Bit 30; devices keep it as they l
 using Failure = std::optional<BootFailure>;
 using Items = std::vector<SetupItem>;
 
+/// Nothing of it is taken for granted, whatever the policies say.
+bool relies_on_timer(const PdoSettings& pdo) noexcept {
+  return pdo.event_timer_required && pdo.event_timer;
+}
+
 /// One PDO of one node: where it differs from its settings, and the way to make it so.
 class PdoSetup {
  public:
@@ -57,11 +62,11 @@ class PdoSetup {
     const Result<Raw> found = co_await session_.read(item.object, item.type);
     if (found.has_error()) {
       absent_ = is_absent(found.error());
-      co_return absent_ ? std::nullopt : Failure(session_.failure(found.error(), item.name));
+      co_return absent_ ? without_object() : Failure(session_.failure(found.error(), item.name));
     }
     cob_id_ = found.value();
     Failure failure = compare_cob_id();
-    if (!failure && pdo_.communication != SetupPolicy::assume) {
+    if (!failure && (pdo_.communication != SetupPolicy::assume || relies_on_timer(pdo_))) {
       failure = co_await compare_parameters();
     }
     if (!failure && pdo_.mapping_policy == SetupPolicy::write && !difference_.empty() && may_write()) {
@@ -92,15 +97,30 @@ class PdoSetup {
     for (const SetupItem& item : wanted_parameters()) {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
       if (found.has_value() && found.value() != item.wanted) {
-        note(pdo_.communication, item, found.value());
+        note(item.policy, item, found.value());
         parameters_.push_back(item);
       } else if (found.has_error() && is_absent(found.error())) {
+        if (item.object.sub == kEventTimer && relies_on_timer(pdo_)) {
+          co_return without_object();
+        }
         timing_known_ = timing_known_ && item.object.sub == kInhibitTime;
       } else if (found.has_error()) {
         co_return session_.failure(found.error(), item.name);
       }
     }
     co_return std::nullopt;
+  }
+
+  /// The documented default is taken for granted, but for a timer that a person relies on to end what was commanded.
+  [[nodiscard]] Failure without_object() const {
+    if (!relies_on_timer(pdo_)) {
+      return std::nullopt;
+    }
+    const ObjectAddress timer{communication_, kEventTimer};
+    return BootFailure{BootResult::not_configured,
+                       to_string(timer) + " " + name_ +
+                           " event timer: the drive does not have it, so it would not notice that commands cease",
+                       false};
   }
 
   boost::asio::awaitable<Failure> compare_mapping() {
@@ -211,6 +231,14 @@ class PdoSetup {
   }
   [[nodiscard]] Items wanted_parameters() const {
     Items items;
+    if (pdo_.communication == SetupPolicy::assume) {
+      items.push_back({{communication_, kEventTimer},
+                       DataType::u16,
+                       pdo_.event_timer.value_or(0),
+                       name_ + " event timer",
+                       SetupPolicy::write});
+      return items;
+    }
     const auto add = [&](std::uint8_t sub, DataType type, const auto& wanted, const char* what) {
       if (wanted) {
         items.push_back({{communication_, sub}, type, *wanted, name_ + what, pdo_.communication});
@@ -252,7 +280,8 @@ class PdoSetup {
 }  // namespace
 
 boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRole role, const PdoSettings& pdo) {
-  if (pdo.communication == SetupPolicy::assume && pdo.mapping_policy == SetupPolicy::assume) {
+  const bool assumed = pdo.communication == SetupPolicy::assume && pdo.mapping_policy == SetupPolicy::assume;
+  if (assumed && !relies_on_timer(pdo)) {
     co_return PdoSetupOutcome{};
   }
   PdoSetup setup(session, role, pdo);

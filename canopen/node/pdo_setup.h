@@ -23,7 +23,9 @@ struct PdoSetupOutcome {
 /// Makes one PDO so (CiA 301 §7.5.2.33 to §7.5.2.38), or only looks whether it is: COB-ID, transmission type, inhibit
 /// time, event timer and mapping. Writes nothing where nothing differs; else disables the PDO, writes what differs,
 /// enables it and reads back what it wrote. A mapping that may be written is compared while the PDO is disabled, for
-/// some devices clear it then. `pdo` and `session` outlive the call.
+/// some devices clear it then. Objects that the node lacks are taken to be as documented, but for an event timer that
+/// is required (PdoSettings::event_timer_required): without it BootResult::not_configured. `pdo` and `session` outlive
+/// the call.
 boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRole role, const PdoSettings& pdo);
 
 }  // namespace canopen

@@ -34,7 +34,8 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       changed_(executor_),
       ended_(executor_),
       sdo_(executor_, bus, settings_.node, settings_.sdo),
-      outputs_(executor_, bus, settings_.node, settings_.rpdos),
+      outputs_(executor_, bus, settings_.node, settings_.rpdos,
+               [this](std::uint16_t rpdo) { return events_.repetition(rpdo); }),
       watch_(
           executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
           [this] { on_silence(); }, [this](TimePoint until) { return bus_.may_still_hear(until); }),
@@ -74,6 +75,7 @@ boost::asio::awaitable<void> RemoteNode::stop() {
   subscriptions_.clear();
   watch_.suspend();
   end_life();
+  sdo_.close();
   withdraw_nmt(NmtGroup::all);
   status_.online = false;
   settle_start_requests(offline_error({}, "removed while it was booted"));

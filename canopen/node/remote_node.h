@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "canopen/bus/subscription.h"
+#include "canopen/bus/transmit_class.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
@@ -24,7 +25,6 @@
 #include "canopen/node/pdo.h"
 #include "canopen/node/restart.h"
 #include "canopen/sdo/client.h"
-#include "canopen/still_stands.h"
 
 namespace canopen {
 
@@ -63,10 +63,14 @@ class RemoteNode {
   /// `due`: when it was to be done; of all that waits for its turn on a busy bus the earliest is next.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now());
   /// SDO download of a command: sent once, withdrawn when not begun by `deadline`, outcome unknown when begun and
-  /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`;
-  /// one that was made from what does not stand any more: `incomplete`.
-  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
-                                             StillStands still_stands = {});
+  /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`.
+  boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// SDO download of a stop (SdoClient::write_stop), whatever became of the node, as long as the bus is up. To one that
+  /// is not online, configured and operational it is sent once; where no answer comes: `offline` with outcome_unknown,
+  /// "sent, not confirmed". A boot that is under way goes on behind it.
+  boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// An SDO download of `object` is under way or went unanswered: the drive may carry it out behind an RPDO.
+  [[nodiscard]] bool may_still_act(ObjectAddress object) const noexcept { return sdo_.may_still_act(object); }
   /// Departure of an NMT command. Only `start` ends the refusal to start a drive that left operational; where the drive
   /// was not configured since, it is booted first, and the departure is that of the boot's NMT start; where it was left
   /// alone as it runs, it is looked at again first. `refused` with the reason where that ends in a letter. A boot that
@@ -75,26 +79,20 @@ class RemoteNode {
   /// Whether the motor runs, read by SDO now; nothing where that cannot be known.
   boost::asio::awaitable<std::optional<bool>> motor_runs();
 
-  /// The RPDO that maps `object` (used as commanded); 0: none.
-  [[nodiscard]] std::uint16_t rpdo_of(ObjectAddress object) const noexcept { return outputs_.rpdo_of(object); }
-  /// RPDO `number` can be sent: every field is in `fields`, known from earlier confirmed commands, or declared unused.
-  [[nodiscard]] bool rpdo_complete(std::uint16_t number, std::span<const ObjectValue> fields) const noexcept {
-    return outputs_.complete(number, fields);
-  }
-  /// Sends the RPDO with `fields` over what is known; confirmed by its departure. A field whose outcome is unknown
-  /// counts as not commanded afterwards. `incomplete` where a field is missing.
-  boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
-                                                 TimePoint deadline);
-  /// A confirmed SDO write: its field counts as commanded with this value.
-  void note_commanded(const ObjectValue& value) { outputs_.note(value); }
+  /// Sends the RPDO with `values`, one for each commanded field of it; confirmed by its departure. From then on it is
+  /// repeated with what NodeEvents::repetition() tells, where the node supervises it.
+  boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
+                                                 TransmitClass transmit_class, TimePoint deadline);
+  /// The longest that this node took to confirm one of its newest writes.
+  [[nodiscard]] Duration write_time() const noexcept { return sdo_.write_time(); }
+  /// The command under way, by RPDO or SDO, never leaves where it has not left yet.
+  void withdraw_command();
   /// A command of `object` goes by SDO now: an RPDO that is repeated must not undo it meanwhile.
   void hold_repetition(ObjectAddress object) { outputs_.hold(object); }
-  /// Its field counts as not commanded (momentary value sent, or outcome unknown).
-  void forget_commanded(ObjectAddress object) { outputs_.forget(object); }
-  /// Nothing counts as commanded (fault, standstill, a command timeout that ends RPDOs). Boot-up, loss and leaving
-  /// operational do it by themselves. `keep_repeating`: an RPDO that the drive supervises (event timer > 0) goes on
-  /// being repeated unchanged, for a drive that came to a stop and would trip otherwise.
-  void void_rpdos(bool keep_repeating = false) { outputs_.make_void(keep_repeating); }
+  /// That write is confirmed.
+  void refresh_repetition(ObjectAddress object) { outputs_.refresh(object); }
+  /// NodeEvents::repetition() tells something else than before.
+  void repetition_changed() { outputs_.look_again(); }
 
  private:
   enum class Stage : std::uint8_t {

@@ -89,20 +89,42 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataT
   co_return co_await sdo_.read(object, type, due);
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
-                                                       StillStands still_stands) {
+boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw,
+                                                       TimePoint deadline) {
   if (!takes_commands()) {
     co_return offline_error(object, "the drive is not online and operational");
   }
-  co_return co_await sdo_.write_command(object, type, raw, deadline, std::move(still_stands));
+  co_return co_await sdo_.write_command(object, type, raw, deadline);
 }
 
-boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> fields,
-                                                           TimePoint deadline) {
+boost::asio::awaitable<Result<void>> RemoteNode::write_stop(ObjectAddress object, DataType type, Raw raw,
+                                                            TimePoint deadline) {
+  const Operation operation(*this);
+  if (stopping_ || !bus_.state().up()) {
+    co_return offline_error(object, "the bus is down");
+  }
+  const bool in_service = takes_commands();
+  const unsigned most_sent = in_service ? SdoClient::kStopsSent : 1;
+  Result<void> result = co_await sdo_.write_stop(object, type, raw, deadline, most_sent);
+  if (result.has_error() && result.error().kind == ErrorKind::timeout && !(in_service && takes_commands())) {
+    Error told = result.error();
+    told.kind = ErrorKind::offline;
+    result = told;
+  }
+  co_return result;
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
+                                                           TransmitClass transmit_class, TimePoint deadline) {
   if (!takes_commands()) {
     co_return offline_error({}, "the drive is not online and operational");
   }
-  co_return co_await outputs_.send(number, std::move(fields), deadline);
+  co_return co_await outputs_.send(number, std::move(values), transmit_class, deadline);
+}
+
+void RemoteNode::withdraw_command() {
+  outputs_.withdraw();
+  sdo_.withdraw_commands();
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, TimePoint deadline) {

@@ -9,10 +9,14 @@
 namespace canopen {
 namespace {
 
-constexpr std::uint32_t kAnswerBase = 0x580;  // CiA 301 table 75, default SDO.
+// CiA 301 table 75, default SDO.
+constexpr std::uint32_t kRequestBase = 0x600;
+constexpr std::uint32_t kAnswerBase = 0x580;
 // CiA 301 table 22.
 constexpr std::uint32_t kTimedOut = 0x05040000;
 constexpr std::uint32_t kGeneralError = 0x08000000;
+
+constexpr const char* kInterrupted = "the drive was lost, rebooted or removed";
 
 }  // namespace
 
@@ -20,7 +24,10 @@ SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8
     : channel_{std::move(executor), bus, node, settings},
       line_(channel_.executor, bus.sdo_budget()),
       unanswered_(settings.timeout),
-      subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })) {}
+      subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })),
+      // Echoes of our own are never dispatched.
+      foreign_requests_(
+          bus.subscribe(kRequestBase + node, [this](const Received& received) { on_foreign_request(received); })) {}
 
 // Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
 
@@ -68,8 +75,9 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
       co_return result(exchange, object);
     }
     channel_.bus.sdo_budget().charge();
-    // All tries together may take longer than a command has, and that command may be a stop.
-    if (co_await place.step_aside(Clock::now())) {
+    // All tries together may take longer than a command has.
+    const bool others_had_it = co_await place.step_aside(Clock::now());
+    if (others_had_it || exchange.disturbed()) {
       certain = !unanswered_.contains(object);
     }
   }
@@ -77,24 +85,26 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
-                                                              TimePoint deadline, StillStands still_stands) {
-  SdoLine::Place place(line_, SdoLine::Kind::command, Clock::now());
+                                                              TimePoint deadline) {
+  const TimePoint given = Clock::now();
+  SdoLine::Place place(line_, SdoLine::Kind::command, given);
   if (exchange_ != nullptr && line_.held_by_transfer()) {
-    exchange_->withdraw();  // What has not left, or takes many frames, must not hold back what may be a stop.
+    exchange_->withdraw();  // What has not left, or takes many frames, must not hold a command back.
   }
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  // Half of its time at most: it may be a stop, and is sent to a silent drive, too.
+  // Half of its time at most: it is sent to a silent drive, too.
   const TimePoint now = Clock::now();
   const bool certain = co_await prove(object, now + (deadline - now) / 2);
   if (place.called_off()) {
     co_return addressed(*place.called_off(), object);
   }
-  if (still_stands && !still_stands()) {
-    Error changed = addressed({.kind = ErrorKind::incomplete}, object);
-    changed.detail = "not begun: what it was made from has changed";
-    co_return changed;
+  const Duration needed = std::min(write_times_.longest(), (deadline - given) / 2);
+  if (deadline - Clock::now() < needed) {
+    Error too_late{.kind = ErrorKind::timeout, .not_sent = true};
+    too_late.detail = "not begun: too little time was left for the answer";
+    co_return addressed(std::move(too_late), object);
   }
   abort_.reset();  // Of a transfer before it: behind the command it could end that one.
   SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());
@@ -121,8 +131,7 @@ Result<void> SdoClient::outcome(const SdoExchange& command, bool certain) const 
   const std::optional<Error>& failure = command.error();
   const bool refused = failure && failure->kind == ErrorKind::refused;
   if (!certain && (!failure || refused)) {
-    Error unclear{
-        .kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "the answer may be that to an earlier request"};
+    Error unclear{.kind = ErrorKind::timeout, .outcome_unknown = true, .detail = kMayBeOlder};
     return addressed(std::move(unclear), command.transfer().object());
   }
   if (!failure) {
@@ -151,13 +160,17 @@ boost::asio::awaitable<bool> SdoClient::prove(ObjectAddress object, TimePoint un
 }
 
 boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
+  const TimePoint begun = Clock::now();
   exchange_ = &exchange;
   co_await exchange.run();
   exchange_ = nullptr;
+  if (!exchange.error() && !exchange.transfer().is_upload()) {
+    write_times_.note(Clock::now() - begun);
+  }
   const ObjectAddress object = exchange.transfer().object();
   if (exchange.unanswered()) {
-    answered_ = false;
-    unanswered_.note(object);
+    answered_ = answered_ && (exchange.gave_way() || exchange.disturbed());
+    unanswered_.note(object, exchange.transfer().is_upload());
   } else if (exchange.answered() && !unanswered_.contains(object)) {
     unanswered_.clear();
   }
@@ -175,6 +188,18 @@ void SdoClient::on_frame(const Received& received) {
   }
 }
 
+void SdoClient::on_foreign_request(const Received& received) {
+  const std::span<const std::uint8_t> request = received.frame.bytes();
+  if (exchange_ == nullptr || !exchange_->disturb() || request.empty()) {
+    return;
+  }
+  const SdoRequest kind = sdo_request_of(request[0]);
+  const std::optional<ObjectAddress> object = address_of(request);
+  if (object && begins_transfer(kind)) {
+    unanswered_.note(*object, kind == SdoRequest::upload || kind == SdoRequest::block_upload);
+  }
+}
+
 void SdoClient::on_end(const SdoTransfer& transfer) {
   if (transfer.abort()) {
     send_abort(*transfer.abort());
@@ -188,21 +213,37 @@ void SdoClient::on_end(const SdoTransfer& transfer) {
 }
 
 void SdoClient::withdraw_commands() {
-  line_.call_off_commands(
-      {.kind = ErrorKind::offline, .detail = "withdrawn: the drive left operational, or is about to"});
+  line_.call_off({SdoLine::Kind::command}, {.kind = ErrorKind::offline,
+                                            .not_sent = true,
+                                            .detail = "withdrawn: the drive left operational, or is about to"});
   if (exchange_ != nullptr && exchange_->is_command()) {
     exchange_->withdraw();
   }
 }
 
 void SdoClient::interrupt() {
-  const Error why{.kind = ErrorKind::offline, .detail = "the drive was lost, rebooted or removed"};
-  line_.call_off(why);
+  const Error why{.kind = ErrorKind::offline, .detail = kInterrupted};
+  line_.call_off({SdoLine::Kind::transfer, SdoLine::Kind::command}, why);
   answered_ = false;
   abort_.reset();
+  if (exchange_ != nullptr && !(exchange_->is_stop() && exchange_->waits_to_leave())) {
+    exchange_->interrupt(why);
+  }
+}
+
+void SdoClient::close() {
+  const Error why{.kind = ErrorKind::offline, .not_sent = true, .detail = kInterrupted};
+  line_.call_off({SdoLine::Kind::stop}, why);
+  interrupt();
   if (exchange_ != nullptr) {
     exchange_->interrupt(why);
   }
+}
+
+bool SdoClient::may_still_act(ObjectAddress object) const noexcept {
+  const bool under_way =
+      exchange_ != nullptr && !exchange_->transfer().is_upload() && exchange_->transfer().object() == object;
+  return under_way || unanswered_.count(object).downloads > 0;
 }
 
 SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) const {

@@ -21,23 +21,26 @@
 #include "canopen/sdo/sdo_settings.h"
 #include "canopen/sdo/transfer.h"
 #include "canopen/sdo/unanswered.h"
-#include "canopen/still_stands.h"
+#include "canopen/sdo/write_times.h"
 
 namespace canopen {
 
 class Bus;
 
 /// The SDO client of one node (default channel, 0x600 and 0x580 + node id). One transfer at a time; who comes later
-/// waits in order, commands before the others. A read that is to be tried again lets them go first, and a segmented one
-/// is aborted for them and begun anew. Errors name node, object and abort code.
+/// waits in order, stops before commands and these before the others. A read that is to be tried again lets them go
+/// first, and a segmented one is aborted for them and begun anew. Errors name node, object and abort code.
 ///
 /// Late answers (Unanswered): an answer is taken only for the object that was asked for. Where an earlier request for
 /// the same object was interrupted or went unanswered, its answer could pass for that of a new request; then another
 /// object is read first, whose answer proves that the older requests are over. Where that proof does not come, a read
-/// or setting uses up a try; a command is sent all the same, for it may be a stop, and its outcome is unknown whatever
-/// the drive answers.
+/// or setting uses up a try; a command is sent all the same, and its outcome is unknown whatever the drive answers. A
+/// stop does not wait for that proof, see write_stop().
 ///
-/// Everything but commands waits for the budget of the bus (SdoBudget).
+/// Another client's request to the node while one of ours is on its way: whose answer comes then nobody can tell. A
+/// read or setting uses up a try, the outcome of a command is unknown. Such requests at other times change nothing.
+///
+/// Everything but commands and stops waits for the budget of the bus (SdoBudget).
 ///
 /// The time of an answer counts from the departure of the request, so that a busy bus is no silent node. A request
 /// belongs to its transfer: where that ends first it is withdrawn, and no try leaves after the next one. A `timeout`
@@ -69,35 +72,57 @@ class SdoClient {
   }
   /// Download of a setting, tried again after a timeout. Never for what could move a motor.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
-  /// Download of a command: sent once. Not begun by `deadline`: `timeout`, and it can never take effect. Begun and not
-  /// confirmed by then, or within the time of one answer: `timeout` with outcome_unknown. Where what it was made from
-  /// does not stand any more: `incomplete`, not begun.
-  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
-                                                     StillStands still_stands = {});
+  /// Download of a command: sent once. Not begun by `deadline`, or when less time is left than the node needs for a
+  /// write (WriteTimes, half of the time at most), or before a stop came: `timeout`, and it can never take effect.
+  /// Begun and not confirmed by then, however long SdoSettings::timeout is, or a while after a stop came: `timeout`
+  /// with outcome_unknown.
+  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// Download of a stop: before everything that waits but older stops, without proof, however little time is left. What
+  /// is under way has 100 ms more for its answer: a read or setting is tried again behind the stop.
+  ///
+  /// An answer counts only if it cannot be that to an older request for the same object. Where one may be, it is taken
+  /// for that, and the stop is sent again, up to `most_sent` times in all: as a server answers in order, one more
+  /// answer than there were older requests proves that a stop was carried out behind them. The same once where another
+  /// client asked the node meanwhile. Without such an answer by `deadline`: `timeout`, outcome_unknown, "sent, not
+  /// confirmed".
+  boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
+                                                  unsigned most_sent = kStopsSent);
 
-  /// Fails everything that is under way or waits with `offline`; commands that have not left are withdrawn. Sends
-  /// nothing. The client can be used again at once.
+  /// Fails what is under way or waits with `offline`; what has not left is withdrawn. But a stop that has not left
+  /// stays and goes; the outcome of one that has is unknown. The client can be used again at once.
   void interrupt();
-  /// Fails the commands that have not left with `offline`. One that has left is awaited, and reads go on.
+  /// The same, and stops are called off, too. Sends nothing.
+  void close();
+  /// Fails the commands that have not left with `offline`. One that has left is awaited, and reads and stops go on.
   void withdraw_commands();
 
   /// The newest transfer since the last interruption got an answer, were it an abort.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
+  /// A download of `object` is under way, or went unanswered: a server that is slow may carry it out later yet.
+  [[nodiscard]] bool may_still_act(ObjectAddress object) const noexcept;
+  /// WriteTimes::longest() of its commands.
+  [[nodiscard]] Duration write_time() const noexcept { return write_times_.longest(); }
   /// Nothing is under way or waits.
   [[nodiscard]] bool idle() const noexcept { return line_.empty(); }
   /// Returns once idle; to be awaited after interrupt() before the client goes.
   boost::asio::awaitable<void> until_idle() { return line_.until_empty(); }
 
+  static constexpr unsigned kStopsSent = 8;
+
  private:
   using Bytes = std::vector<std::uint8_t>;
+  static constexpr const char* kMayBeOlder = "the answer may be that to an earlier request";
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
   boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries, TimePoint due);
   /// Whether no late answer for `object` can come any more.
   boost::asio::awaitable<bool> prove(ObjectAddress object, TimePoint until);
   boost::asio::awaitable<void> carry_out(SdoExchange& exchange);
+  /// What is under way ends soon, for a stop that is to be sent by `deadline`.
+  void make_way(TimePoint deadline);
 
   void on_frame(const Received& received);
+  void on_foreign_request(const Received& received);
   void on_end(const SdoTransfer& transfer);
   [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = 0) const {
     return SdoTransfer::upload(channel_.settings, object, expected);
@@ -105,6 +130,9 @@ class SdoClient {
   [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
   [[nodiscard]] Result<Bytes> result(const SdoExchange& exchange, ObjectAddress object) const;
   [[nodiscard]] Result<void> outcome(const SdoExchange& command, bool certain) const;
+  /// Whether the answer that ended a stop can only be that to a stop; where not, it counts as one of the `older`.
+  bool settles(const SdoExchange& stop, Unanswered::Count& older);
+  [[nodiscard]] Error not_confirmed(const SdoExchange& stop) const;
   void send_abort(const SdoFrame& abort);
   [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
@@ -116,9 +144,11 @@ class SdoClient {
   SdoExchange* exchange_ = nullptr;  ///< Under way.
   Ticket abort_;                     ///< The newest abort of ours.
   Unanswered unanswered_;
+  WriteTimes write_times_;
   bool answered_ = false;
 
   Subscription subscription_;
+  Subscription foreign_requests_;
 };
 
 }  // namespace canopen

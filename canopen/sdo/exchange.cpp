@@ -31,10 +31,10 @@ boost::asio::awaitable<void> SdoExchange::run() {
   while (!over_ && channel_.bus.may_still_hear(due_)) {
     co_await ended_.wait_until(or_soon(due_));
   }
+  cut_short_ = !over_ && due_ == limit_;
   request_.withdraw();  // The deadline may have come before its departure.
   if (!over_) {
-    const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(channel_.settings.timeout);
-    end(Error{.kind = ErrorKind::timeout, .detail = "no answer in " + std::to_string(waited.count()) + " ms"});
+    end(no_answer());
   }
 }
 
@@ -65,20 +65,36 @@ void SdoExchange::interrupt(Error why) {
 }
 
 void SdoExchange::withdraw() {
-  if (!transfer_.in_segments() || transfer_.is_upload()) {
+  if (!over_ && (!transfer_.in_segments() || transfer_.is_upload())) {
     withdrawn_ = true;
     request_.withdraw();
   }
 }
 
+void SdoExchange::hurry(TimePoint until) {
+  withdraw();
+  limit_ = std::min(limit_, until);
+  due_ = std::min(due_, limit_);
+  ended_.notify();
+}
+
+bool SdoExchange::disturb() {
+  if (over_ || request_.waiting()) {
+    return false;
+  }
+  disturbed_ = true;
+  end(Error{.kind = ErrorKind::timeout, .detail = "another SDO client asked this drive meanwhile"});
+  return true;
+}
+
 void SdoExchange::send() {
-  if (is_command() || transfer_.in_segments()) {
+  if (is_sent_once() || transfer_.in_segments()) {
     channel_.bus.sdo_budget().charge();  // The first request of any other transfer was granted.
   }
-  due_ = deadline_;
+  due_ = std::min(deadline_, limit_);
   departure_.reset();
   waits_ = true;
-  const TimePoint until = is_command() ? deadline_ : std::min(deadline_, Clock::now() + TransmitQueue::kLifeTime);
+  const TimePoint until = is_sent_once() ? deadline_ : std::min(deadline_, Clock::now() + TransmitQueue::kLifeTime);
   const Frame frame = sdo_request_frame(channel_.node, transfer_.request());
   request_ = channel_.bus.send(transmit_class_, frame, until, [this](Departure how) { on_departure(how); });
 }
@@ -93,8 +109,22 @@ void SdoExchange::on_departure(Departure how) {
     return;
   }
   // Without its echo it may have left all the same: an answer would prove it.
-  due_ = std::min(deadline_, Clock::now() + channel_.settings.timeout);
+  left_at_ = Clock::now();
+  due_ = std::min(deadline_, limit_);
+  if (!is_sent_once()) {
+    due_ = std::min(due_, left_at_ + channel_.settings.timeout);
+  }
   ended_.notify();
+}
+
+Error SdoExchange::no_answer() const {
+  Error error{.kind = ErrorKind::timeout, .detail = "its departure was not seen, nor an answer"};
+  if (departure_) {
+    const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - left_at_);
+    error.detail = "no answer in " + std::to_string(waited.count()) + " ms";
+  }
+  error.detail += cut_short_ ? ", and a stop goes first" : "";
+  return error;
 }
 
 void SdoExchange::end(std::optional<Error> why) {

@@ -29,7 +29,7 @@ class SdoExchange {
     SdoSettings settings;
   };
 
-  /// `transmit_class`: sdo or command. `channel` outlives the exchange. `late_possible`: see SdoTransfer.
+  /// `transmit_class`: sdo, command or stop. `channel` outlives the exchange. `late_possible`: see SdoTransfer.
   SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitClass transmit_class, TimePoint deadline,
               bool late_possible);
   ~SdoExchange() = default;
@@ -45,9 +45,17 @@ class SdoExchange {
   /// Where the first request has not left it never will. An upload in segments ends, with its next answer at the
   /// latest.
   void withdraw();
+  /// The same, and its answer is not awaited after `until`.
+  void hurry(TimePoint until);
+  /// Another client asked the node: whose answers come now nobody can tell, so where ours may have left it ends at
+  /// once. Returns whether it did.
+  bool disturb();
 
   [[nodiscard]] const SdoTransfer& transfer() const noexcept { return transfer_; }
   [[nodiscard]] bool is_command() const noexcept { return transmit_class_ == TransmitClass::command; }
+  [[nodiscard]] bool is_stop() const noexcept { return transmit_class_ == TransmitClass::stop; }
+  /// The newest request has not left.
+  [[nodiscard]] bool waits_to_leave() const { return request_.waiting(); }
   /// Why it failed; Error::not_sent where the first request never left.
   [[nodiscard]] const std::optional<Error>& error() const noexcept { return error_; }
   /// The answer came that ends it, or the last one before it was withdrawn.
@@ -55,13 +63,17 @@ class SdoExchange {
   /// A request has left, or may have, and its answer did not come.
   [[nodiscard]] bool unanswered() const noexcept { return waits_ && !never_left(); }
   [[nodiscard]] bool timed_out() const noexcept { return error_ && error_->kind == ErrorKind::timeout; }
-  /// It ended because it was withdrawn.
-  [[nodiscard]] bool gave_way() const noexcept { return withdrawn_ && timed_out() && !unanswered(); }
+  /// It ended because it was withdrawn, or to be over soon.
+  [[nodiscard]] bool gave_way() const noexcept { return cut_short_ || (withdrawn_ && timed_out() && !unanswered()); }
+  /// It ended because another client asked the node.
+  [[nodiscard]] bool disturbed() const noexcept { return disturbed_; }
 
  private:
   void send();
   void on_departure(Departure how);
   void end(std::optional<Error> why);
+  [[nodiscard]] bool is_sent_once() const noexcept { return is_command() || is_stop(); }
+  [[nodiscard]] Error no_answer() const;
   [[nodiscard]] bool never_left() const noexcept {
     return departure_ == Departure::withdrawn || departure_ == Departure::offline;
   }
@@ -69,14 +81,18 @@ class SdoExchange {
   const Channel& channel_;
   SdoTransfer transfer_;
   TransmitClass transmit_class_;
-  TimePoint due_ = kNever;  ///< The next answer must be here by then; not known before the request has left.
-  TimePoint deadline_;      ///< `due_` never passes it.
+  TimePoint due_ = kNever;    ///< The next answer must be here by then; not known before the request has left.
+  TimePoint deadline_;        ///< `due_` never passes it,
+  TimePoint limit_ = kNever;  ///< nor that.
   bool late_possible_;
   Event ended_;
   Ticket request_;
   std::optional<Departure> departure_;  ///< Of the newest request.
+  TimePoint left_at_{};                 ///< The same, where it left or may have.
   bool waits_ = true;                   ///< The newest request has no answer yet.
   bool withdrawn_ = false;
+  bool cut_short_ = false;
+  bool disturbed_ = false;
   bool over_ = false;
   std::optional<Error> error_;
 };

@@ -31,6 +31,26 @@ enum class SdoAnswer : std::uint8_t {
   reserved = 7
 };
 
+/// The same of a request.
+enum class SdoRequest : std::uint8_t {
+  download_segment = 0,
+  download = 1,
+  upload = 2,
+  upload_segment = 3,
+  abort = 4,
+  block_upload = 5,
+  block_download = 6,
+  reserved = 7
+};
+
+[[nodiscard]] constexpr SdoRequest sdo_request_of(std::uint8_t first_byte) noexcept {
+  return static_cast<SdoRequest>(first_byte >> 5U);
+}
+/// It names an object, and is answered with the same address.
+[[nodiscard]] constexpr bool begins_transfer(SdoRequest request) noexcept {
+  return request == SdoRequest::download || request == SdoRequest::upload || request == SdoRequest::block_upload ||
+         request == SdoRequest::block_download;
+}
 [[nodiscard]] constexpr SdoAnswer sdo_answer_of(std::uint8_t first_byte) noexcept {
   return static_cast<SdoAnswer>(first_byte >> 5U);
 }
@@ -38,7 +58,7 @@ enum class SdoAnswer : std::uint8_t {
 [[nodiscard]] constexpr bool toggle_of(std::uint8_t first_byte) noexcept {
   return (first_byte & 0x10U) != 0;
 }
-/// The address in bytes 1..3; nothing where the answer is shorter, or names no object (0x0000:00).
+/// The address in bytes 1..3 of an answer or request; nothing where it is shorter, or names no object (0x0000:00).
 [[nodiscard]] std::optional<ObjectAddress> address_of(std::span<const std::uint8_t> answer) noexcept;
 /// Little-endian; `bytes` holds at least 4.
 [[nodiscard]] std::uint32_t decode_u32(std::span<const std::uint8_t> bytes) noexcept;

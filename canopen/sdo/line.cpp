@@ -8,20 +8,19 @@ namespace canopen {
 SdoLine::SdoLine(boost::asio::any_io_executor executor, SdoBudget& budget)
     : budget_(budget), moved_(std::move(executor)) {}
 
-void SdoLine::call_off(const Error& why) {
+void SdoLine::call_off(std::initializer_list<Kind> kinds, const Error& why) {
   for (Place* place : places_) {
-    place->called_off_ = why;
-  }
-  moved_.notify();
-}
-
-void SdoLine::call_off_commands(const Error& why) {
-  for (Place* place : places_) {
-    if (place->kind_ == Kind::command && !place->called_off_) {
+    if (std::find(kinds.begin(), kinds.end(), place->kind_) != kinds.end() && !place->called_off_) {
       place->called_off_ = why;
     }
   }
   moved_.notify();
+}
+
+void SdoLine::call_off_held_command(const Error& why) {
+  if (holder_ != nullptr && holder_->kind_ == Kind::command && !holder_->called_off_) {
+    holder_->called_off_ = why;
+  }
 }
 
 bool SdoLine::held_by_transfer() const noexcept {
@@ -34,15 +33,11 @@ boost::asio::awaitable<void> SdoLine::until_empty() {
   }
 }
 
-/// A command behind the other commands, everything else at the end.
+/// Behind those of its kind.
 void SdoLine::insert(Place* place) {
-  if (place->kind_ == Kind::transfer) {
-    places_.push_back(place);
-    return;
-  }
-  const auto first_transfer =
-      std::find_if(places_.begin(), places_.end(), [](const Place* other) { return other->kind_ == Kind::transfer; });
-  places_.insert(first_transfer, place);
+  const auto first_lower =
+      std::find_if(places_.begin(), places_.end(), [place](const Place* other) { return other->kind_ < place->kind_; });
+  places_.insert(first_lower, place);
 }
 
 bool SdoLine::is_next(const Place* place) const noexcept {

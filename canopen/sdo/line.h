@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <initializer_list>
 #include <optional>
 
 #include "canopen/clock.h"
@@ -14,11 +15,12 @@
 
 namespace canopen {
 
-/// The line of those who want an SDO channel, where one has it at a time. Commands go before everything else that
-/// waits; the others have their turn only once the budget of the bus lets them, so no command waits for that.
+/// The line of those who want an SDO channel, where one has it at a time. Stops go before commands, and these before
+/// everything else that waits; the others have their turn only once the budget of the bus lets them, so no command
+/// waits for that.
 class SdoLine {
  public:
-  enum class Kind : std::uint8_t { transfer, command };
+  enum class Kind : std::uint8_t { transfer, command, stop };
   class Place;
 
   /// `budget` outlives the line.
@@ -27,9 +29,10 @@ class SdoLine {
   SdoLine(const SdoLine&) = delete;
   SdoLine& operator=(const SdoLine&) = delete;
 
-  /// Calls off everybody who is in the line now, or only the commands.
-  void call_off(const Error& why);
-  void call_off_commands(const Error& why);
+  /// Calls off everybody of these kinds who is in the line now.
+  void call_off(std::initializer_list<Kind> kinds, const Error& why);
+  /// Calls off the one who has the channel, where that is a command.
+  void call_off_held_command(const Error& why);
 
   [[nodiscard]] bool empty() const noexcept { return places_.empty(); }
   [[nodiscard]] bool held_by_transfer() const noexcept;
@@ -56,8 +59,8 @@ class SdoLine::Place {
 
   /// False where it was called off first, or `deadline` passed.
   boost::asio::awaitable<bool> wait_until(TimePoint deadline);
-  /// Lets commands go first, those that come until then, too. To be awaited by the one who has the channel; false
-  /// where nobody else had it meanwhile.
+  /// Lets stops and commands go first, those that come until then, too. To be awaited by the one who has the channel;
+  /// false where nobody else had it meanwhile.
   boost::asio::awaitable<bool> step_aside(TimePoint until);
   /// Why it does not have the channel, or is not to use it any more.
   [[nodiscard]] const std::optional<Error>& called_off() const noexcept { return called_off_; }

@@ -17,17 +17,38 @@ constexpr std::size_t kMostKept = 16;
 
 }  // namespace
 
-void Unanswered::note(ObjectAddress object) {
+void Unanswered::Count::take_one(bool to_download) noexcept {
+  all -= std::min(all, 1U);
+  downloads = std::min(all, downloads - (to_download ? std::min(downloads, 1U) : 0U));
+}
+
+void Unanswered::note(ObjectAddress object, bool is_upload) {
+  Count counted = count(object);
+  ++counted.all;
+  counted.downloads += is_upload ? 0U : 1U;
   std::erase_if(requests_, [object](const Request& request) { return request.object == object; });
-  requests_.push_back({object, Clock::now()});
+  requests_.push_back({object, Clock::now(), counted});
   if (requests_.size() > kMostKept) {
     requests_.erase(requests_.begin());
   }
 }
 
+void Unanswered::take_one(ObjectAddress object, bool to_download) noexcept {
+  for (Request& request : requests_) {
+    if (request.object == object) {
+      request.count.take_one(to_download);
+    }
+  }
+}
+
+Unanswered::Count Unanswered::count(ObjectAddress object) const noexcept {
+  const auto found = std::find_if(requests_.begin(), requests_.end(),
+                                  [object](const Request& request) { return request.object == object; });
+  return found == requests_.end() ? Count{} : found->count;
+}
+
 bool Unanswered::contains(ObjectAddress object) const noexcept {
-  return std::any_of(requests_.begin(), requests_.end(),
-                     [object](const Request& request) { return request.object == object; });
+  return count(object).all > 0;
 }
 
 Unanswered::Proof Unanswered::proof() const noexcept {

@@ -15,8 +15,20 @@ class Unanswered {
   /// `timeout`: of one answer.
   explicit Unanswered(Duration timeout) noexcept : timeout_(timeout) {}
 
-  void note(ObjectAddress object);
+  /// How many answers for an object may still come at most.
+  struct Count {
+    unsigned all = 0;
+    unsigned downloads = 0;  ///< Of those, to downloads.
+    /// One of them came. Where it may have been that to an upload, only `all` is sure to be one less.
+    void take_one(bool to_download) noexcept;
+  };
+
+  void note(ObjectAddress object, bool is_upload);
+  /// See Count::take_one(); something of the object was noted.
+  void take_one(ObjectAddress object, bool to_download) noexcept;
+  /// Nothing of before may be answered any more.
   void clear() noexcept { requests_.clear(); }
+  [[nodiscard]] Count count(ObjectAddress object) const noexcept;
   [[nodiscard]] bool any() const noexcept { return !requests_.empty(); }
   [[nodiscard]] bool contains(ObjectAddress object) const noexcept;
   struct Proof {
@@ -29,6 +41,7 @@ class Unanswered {
   struct Request {
     ObjectAddress object;
     TimePoint at;  ///< Of the newest one.
+    Count count;
   };
 
   Duration timeout_;

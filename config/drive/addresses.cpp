@@ -30,7 +30,8 @@ constexpr std::array<FixedPlace, 17> kRegisters{{{"status_word", 0},
                                                  {"frequency_command", 101},
                                                  {"torque_command", 102},
                                                  {"target_velocity", 103}}};
-constexpr std::array<FixedPlace, 5> kBits{{{"running", 0}, {"reverse", 1}, {"fault", 2}, {"warning", 3}, {"ready", 4}}};
+constexpr std::array<FixedPlace, 6> kBits{
+    {{"running", 0}, {"reverse", 1}, {"fault", 2}, {"warning", 3}, {"ready", 4}, {"remote", 5}}};
 
 // Below stand the fixed addresses, from 1000 the diagnostics of the drive.
 constexpr unsigned kFirstFree = 200;

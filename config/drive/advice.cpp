@@ -10,13 +10,6 @@ namespace {
 
 using canopen::Duration;
 
-/// Where a key of `[drive.commands]` stands; the drive where it is left out.
-Place command_place(const DriveDraft& draft, std::string_view key) {
-  const Node* const commands = read_table(draft.site, "commands");
-  const bool stated = commands != nullptr && commands->find(key) != nullptr;
-  return stated ? place_of(*commands, key) : draft.site.place;
-}
-
 /// No client of write_from can reach one of the addresses to listen on.
 bool nobody_can_write(const Modbus& modbus) {
   return std::none_of(modbus.write_from.begin(), modbus.write_from.end(), [&modbus](const Network& from) {
@@ -31,6 +24,9 @@ bool nobody_can_write(const Modbus& modbus) {
 std::string way_is_off(const DriveDraft& draft, std::string_view way) {
   if (way == "mqtt") {
     return draft.model.mqtt.has_value() ? "" : "there is no [mqtt]";
+  }
+  if (way == "local") {
+    return draft.model.gateway.control.empty() ? "gateway.control is empty" : "";
   }
   if (!draft.model.modbus.has_value()) {
     return "there is no [modbus]";
@@ -61,23 +57,12 @@ const canopen::MappedObject* field_with(const canopen::PdoSettings& rpdo, canope
   return found == rpdo.mapping.end() ? nullptr : &*found;
 }
 
-/// An RPDO that is really sent, and so armed and repeated: of those in use, each field of it known and one commanded.
-bool is_sent(const DriveDraft& draft, std::uint16_t number) {
-  const auto& rpdos = draft.drive.node.rpdos;
-  return std::any_of(rpdos.begin(), rpdos.end(), [number](const canopen::PdoSettings& rpdo) {
-    return rpdo.number == number && field_with(rpdo, canopen::FieldUse::commanded) != nullptr &&
-           field_with(rpdo, canopen::FieldUse::unnamed) == nullptr;
-  });
-}
-
 /// The drive notices by itself when commands stop coming: by our heartbeat, or by the time between RPDOs where the
-/// profile says that it has that timer.
+/// profile says that it has that timer. Or the gateway does something when the writer is gone.
 bool is_supervised(const DriveDraft& draft) {
-  return draft.drive.node.error_control.supervise_gateway != Duration::zero() ||
-         std::any_of(draft.rpdos.begin(), draft.rpdos.end(), [&draft](const PdoDraft& rpdo) {
-           return rpdo.said->keys.supervised && rpdo.settings.event_timer.value_or(0) != 0 &&
-                  is_sent(draft, rpdo.settings.number);
-         });
+  const Commands& commands = draft.drive.commands;
+  return draft.drive.node.error_control.supervise_gateway != Duration::zero() || supervises_rpdo(draft) ||
+         (commands.timeout != Duration::zero() && commands.on_timeout != OnTimeout::hold);
 }
 
 void advise_on_supervision(const DriveDraft& draft) {
@@ -86,7 +71,7 @@ void advise_on_supervision(const DriveDraft& draft) {
   }
   std::string text =
       "takes commands, but nothing stops it when writer or gateway is gone; set supervise_gateway where the drive can, "
-      "and its own communication timeout where it cannot";
+      "and its own communication timeout where it cannot; commands.timeout with on_timeout watches the writer";
   for (const PdoDraft& rpdo : draft.rpdos) {
     if (rpdo.settings.event_timer.value_or(0) != 0 && !rpdo.said->keys.supervised) {
       text += ". The event_timer of " + rpdo.said->name + " counts only with " + rpdo.said->name +
@@ -94,6 +79,26 @@ void advise_on_supervision(const DriveDraft& draft) {
     }
   }
   draft.warning(draft.site.place, text);
+}
+
+/// A stop goes before everything else only where it is known to be one.
+void advise_on_stops(const DriveDraft& draft) {
+  const canopen::MotorSigns& motor = draft.drive.node.motor;
+  const auto control = draft.drive.find("control_command");
+  if (!control.has_value() || !writable(draft.drive.signals[*control].access)) {
+    return;
+  }
+  if (motor.stops.empty()) {
+    draft.warning(
+        draft.site.place,
+        "takes commands, but no value of control_command is known that only stops, so a stop waits like any "
+        "command and a stop for all leaves the drive out; write [drive.signals.control_command] stop = […], or "
+        "use a preset that has it");
+  } else if (!canopen::first_stop(motor).has_value()) {
+    draft.warning(draft.site.place,
+                  "a stop for all leaves the drive out, because stop_masks name no exact value; write "
+                  "[drive.signals.control_command] stop = […]");
+  }
 }
 
 void advise_on_setpoints(const DriveDraft& draft) {
@@ -206,18 +211,33 @@ void advise_on_motor(const DriveDraft& draft) {
 
 }  // namespace
 
+bool is_sent(const DriveDraft& draft, std::uint16_t number) {
+  const auto& rpdos = draft.drive.node.rpdos;
+  return std::any_of(rpdos.begin(), rpdos.end(), [number](const canopen::PdoSettings& rpdo) {
+    return rpdo.number == number && field_with(rpdo, canopen::FieldUse::commanded) != nullptr &&
+           field_with(rpdo, canopen::FieldUse::unnamed) == nullptr;
+  });
+}
+
+bool supervises_rpdo(const DriveDraft& draft) {
+  return std::any_of(draft.rpdos.begin(), draft.rpdos.end(), [&draft](const PdoDraft& rpdo) {
+    return rpdo.said->keys.supervised && rpdo.settings.event_timer.value_or(0) != 0 &&
+           is_sent(draft, rpdo.settings.number);
+  });
+}
+
 void advise(DriveDraft& draft) {
   if (draft.keys.on_stale == OnStale::zero) {
     draft.warning(place_of(draft.site, "on_stale"), "on_stale = \"zero\" shows a lost drive as one that stands still");
   }
   advise_on_unconfirmed(draft);
   advise_on_motor(draft);
-  const Writers& writers = draft.drive.commands.writers;
-  if (!writers.modbus && !writers.mqtt) {
+  if (!draft.drive.commands.writers.any()) {
     return;
   }
   advise_on_writers(draft);
   advise_on_supervision(draft);
+  advise_on_stops(draft);
   advise_on_deadline(draft);
   advise_on_setpoints(draft);
   advise_on_rpdos(draft);

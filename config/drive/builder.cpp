@@ -105,6 +105,7 @@ void take_own_keys(DriveDraft& draft) {
   Drive& drive = draft.drive;
   const DriveKeys& keys = draft.keys;
   drive.name = keys.name;
+  drive.enabled = keys.enabled;
   drive.profile = keys.profile;
   // An id out of range has its finding; 0 keeps it out of what is worked out from it.
   drive.node.node = keys.node;
@@ -144,6 +145,7 @@ Drive build_drive(const Node& site, std::size_t number, const Model& model, Prof
   connect_pdos(draft);
   place_signals(draft);
   order_signals(draft);
+  take_commands(draft);
   advise(draft);
   return std::move(draft.drive);
 }

@@ -67,6 +67,15 @@ template <class S>
 /// CiA 301 §7.4.7: data types stand for dummy entries of a mapping.
 [[nodiscard]] bool is_dummy(canopen::ObjectAddress object) noexcept;
 
+/// Where a key of `[drive.commands]` stands; the drive where it is left out.
+[[nodiscard]] Place command_place(const DriveDraft& draft, std::string_view key);
+
+/// An RPDO of that number is really sent, and so armed and repeated: of those in use, each field of it known and one
+/// commanded.
+[[nodiscard]] bool is_sent(const DriveDraft& draft, std::uint16_t number);
+/// Some RPDO that is sent has an event timer, which the profile says that the drive has.
+[[nodiscard]] bool supervises_rpdo(const DriveDraft& draft);
+
 /// Puts one drive together; what is wrong with it goes to the report. `number` names it where it has no name.
 [[nodiscard]] Drive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library,
                                 Report& report);
@@ -90,6 +99,8 @@ void place_signals(DriveDraft& draft);
 /// Moves the signals into the drive in the order of their addresses, words before what is derived from them; finds
 /// those that tell of faults and of the motor.
 void order_signals(DriveDraft& draft);
+/// What a timeout does, and whether it and `feedback` can do it.
+void take_commands(DriveDraft& draft);
 /// What is allowed but should be thought about.
 void advise(DriveDraft& draft);
 

@@ -7,29 +7,41 @@
 namespace config {
 namespace {
 
+using std::chrono::hours;
 using std::chrono::milliseconds;
 using std::chrono::minutes;
 using std::chrono::seconds;
 
 std::optional<Writers> read_writers(const Node& node, const Complaint& complain) {
   using Way = bool Writers::*;
-  static const Form<Way> way_form = choice<Way>({{"modbus", &Writers::modbus}, {"mqtt", &Writers::mqtt}});
+  static const Form<Way> way_form =
+      choice<Way>({{"modbus", &Writers::modbus}, {"mqtt", &Writers::mqtt}, {"local", &Writers::local}});
   if (!expect_list(node, complain)) {
     return std::nullopt;
   }
   Writers writers;
   bool good = true;
   for (const Node& item : node.items) {
-    if (item.kind == NodeKind::text && item.text == "local") {
-      complain.value(item.place, "\"local\" is not supported by this version");
-      good = false;
-    } else if (const auto way = way_form.read(item, complain); way.has_value()) {
+    if (const auto way = way_form.read(item, complain); way.has_value()) {
       writers.** way = true;
     } else {
       good = false;
     }
   }
   return good ? std::optional(writers) : std::nullopt;
+}
+
+/// Which signals there are, and what they may be, shows only once the drive is put together.
+void check_timeout_values(const Node& node, const Complaint& complain) {
+  if (!expect(node, NodeKind::table, complain, "{ control_command = 5 }")) {
+    return;
+  }
+  for (const Entry& entry : node.entries) {
+    const NodeKind kind = entry.value.kind;
+    if (kind != NodeKind::integer && kind != NodeKind::number && kind != NodeKind::text && kind != NodeKind::boolean) {
+      complain.at(entry.key).value(entry.value.place, "must be a number or a name, not " + std::string(name_of(kind)));
+    }
+  }
 }
 
 Form<Writers> writers() {
@@ -43,21 +55,28 @@ const SectionOf<Commands>& commands_section() {
   static const SectionOf<Commands> section(
       "[drive.commands]",
       {Field("writers", &Commands::writers, writers(),
-             "Who may command: `modbus`, `mqtt`, `local` (the command line, which is not supported by this version). "
-             "Nobody else may write, send NMT commands or write raw objects.")
+             "Who may command: `modbus`, `mqtt`, `local` (the command line, by `gateway.control`). Nobody else may "
+             "write, "
+             "send NMT commands or write raw objects.")
            .note("nobody"),
        Field("raw", &Commands::raw, boolean(), "`true`: writers may write objects that are no writable signal."),
        Field("nmt_while_running", &Commands::nmt_while_running, boolean(),
              "`true`: NMT stop, pre-operational and resets also while the motor runs."),
        Field("deadline", &Commands::deadline, duration({.min = milliseconds(10), .max = minutes(1)}),
              "Of one command, answer included."),
-       Field::later("lease", "duration 0s..24h", "0s",
-                    "A writer keeps the drive to itself until silent for this long."),
-       Field::later("feedback", "duration", "0s",
-                    "How long after a run command the motor may not be running yet before an alarm is raised."),
-       Field::later("timeout", "duration 0s..24h", "0s", "Silence of the writer after which `on_timeout` acts."),
-       Field::later("on_timeout", "`hold`, `cease`, `values`", "hold", "What a timeout does."),
-       Field::later("values", "table", "", "What `on_timeout = \"values\"` writes.")});
+       Field("lease", &Commands::lease, duration({.min = seconds(0), .max = hours(24)}),
+             "A writer keeps the drive to itself until silent for this long; `0s`: nobody does."),
+       Field("feedback", &Commands::feedback, duration({.min = seconds(0), .max = hours(1)}),
+             "How long after a run command `running` may still be false before an alarm is raised; `0s`: for ever."),
+       Field("timeout", &Commands::timeout, duration({.min = seconds(0), .max = hours(24)}),
+             "Silence of the writer of the last run command after which `on_timeout` acts; `0s`: never."),
+       Field("on_timeout", &Commands::on_timeout,
+             choice<OnTimeout>({{"hold", OnTimeout::hold}, {"cease", OnTimeout::cease}, {"values", OnTimeout::values}}),
+             "What a timeout does beside its alarm: nothing; no RPDO is sent any more, and the drive, which supervises "
+             "one, trips; `values` are written."),
+       Field::checked("values", "table: signal = value", Layering::replace, nullptr, check_timeout_values,
+                      "What `on_timeout = \"values\"` writes, in engineering units or by name: a stop for "
+                      "`control_command`, or set-points only.")});
   return section;
 }
 
@@ -78,7 +97,8 @@ const SectionOf<DriveKeys>& drive_section() {
        Field("node", &DriveKeys::node, integer(1, 127), "Node id.").required(),
        Field("profile", &DriveKeys::profile, name(), "What kind of drive it is.").required("eds"),
        Field::later("eds", "string", "", "A drive from an EDS file."),
-       Field::later("enabled", "true or false", "true", "`false`: out of service; no traffic, no alarms."),
+       Field("enabled", &DriveKeys::enabled, boolean(),
+             "`false`: out of service; no traffic, no alarms, offline. Its unit and its addresses stay."),
        Field("unit", &DriveKeys::unit, unit(), "Modbus unit; `\"none\"`: not on Modbus.").unset("the node id"),
        Field::later("flat", "integer", "none", "Its base address on the flat unit of Modbus."),
        Field("heartbeat", time(&ErrorControlSettings::heartbeat),

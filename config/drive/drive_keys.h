@@ -29,6 +29,7 @@ struct DriveKeys {
   std::optional<OnStale> on_stale;
   bool reconfigure_running = false;
   bool restart = false;
+  bool enabled = true;
   std::vector<std::string> presets;
   Commands commands;
 };
@@ -46,6 +47,7 @@ struct SignalKeys {
   bool negative = false;
   std::optional<std::string> source;
   std::vector<std::int64_t> momentary;
+  std::vector<std::int64_t> edge;
   std::vector<std::int64_t> stop;
   std::vector<canopen::StopWord> stop_masks;
   std::optional<std::int64_t> address;

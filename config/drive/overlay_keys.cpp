@@ -196,13 +196,16 @@ const SectionOf<SignalKeys>& signal_section() {
        Field("momentary", &Self::momentary, list("list of integers", any_integer()),
              "Raw values that are forgotten once sent: fault reset, jog."),
        Field("momentary_mask", plain(&Signal::momentary_mask), any_integer(0), "So is a value with one of these bits."),
-       Field("stop", &Self::stop, list("list of integers", any_integer()),
-             "Of `control_command`: raw values that only ever stop. In this version they tell which control commands "
-             "let `restart` go on."),
+       Field(
+           "stop", &Self::stop, list("list of integers", any_integer()),
+           "Of `control_command`: raw values that only ever stop. A command with one goes before all others; the first "
+           "is what a stop for all sends."),
        Field("stop_masks", &Self::stop_masks, list("list of { mask, equals }", stop_mask()),
              "Likewise words that, masked, only ever stop."),
-       Field::later("edge", "list of integers", "[]",
-                    "Of `control_command`: raw values that act by their rising edge alone."),
+       Field(
+           "edge", &Self::edge, list("list of integers", any_integer()),
+           "Of `control_command`: momentary raw values that act by their rising edge alone, so that an RPDO may repeat "
+           "them: fault reset."),
        Field("address", &Self::address, integer(0, 65535), "Modbus address, of a bit for booleans.")
            .unset("by name, see below"),
        Field("as", &Self::as_float, choice<bool>({{"raw", false}, {"float", true}}),

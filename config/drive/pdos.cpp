@@ -139,6 +139,9 @@ class PdoTaker {
     constexpr std::uint16_t kTooShort = 5;
     constexpr std::uint16_t kShort = 10;
     const std::uint16_t timer = pdo_.event_timer.value_or(0);
+    // Somebody counts on it: the site, which wrote it, or the profile, which says that the drive has it.
+    const bool of_the_site = place_of(said_, "event_timer").file == 0;
+    pdo_.event_timer_required = timer != 0 && (of_the_site || keys_.supervised);
     if (timer != 0 && timer <= kTooShort) {
       error("event_timer", "event_timer \"" + to_text(*keys_.event_timer) +
                                "\" is shorter than an RPDO can be repeated (5 ms), so the drive would trip");

@@ -70,7 +70,7 @@ class SignalTaker {
 
   bool take_derived() {
     refuse({"object", "type", "scale", "source", "min", "max", "values", "momentary", "momentary_mask", "stop",
-            "stop_masks", "as", "poll", "unit", "deadband", "publish_mask"},
+            "stop_masks", "edge", "as", "poll", "unit", "deadband", "publish_mask"},
            "has no meaning beside from");
     if (signal_.access != Access::read) {
       error("access", "is read out of another one and cannot be written");
@@ -185,9 +185,24 @@ class SignalTaker {
     }
   }
 
+  void take_edges() {
+    for (const std::int64_t value : keys_.edge) {
+      const auto raw = static_cast<canopen::Raw>(value);
+      if (!fits(value)) {
+        error("edge", "has the edge value " + std::to_string(value) + misfit());
+      } else if (!is_momentary(signal_, raw)) {
+        draft_.error(place_of(said_, "edge", {"momentary", "momentary_mask"}),
+                     "signal \"" + said_.name + "\" has the edge value " + to_hex(raw) +
+                         ", which is not momentary; an edge acts once, so name it in momentary, too");
+      } else {
+        signal_.edge.push_back(raw);
+      }
+    }
+  }
+
   void take_stops() {
     if (signal_.name != "control_command") {
-      refuse({"stop", "stop_masks"}, "is for control_command alone");
+      refuse({"stop", "stop_masks", "edge"}, "is for control_command alone");
       return;
     }
     const canopen::Raw width = ~canopen::Raw{0} >> (64U - canopen::bit_length(signal_.type));
@@ -207,6 +222,7 @@ class SignalTaker {
         add_stop("stop_masks", word);
       }
     }
+    take_edges();
   }
 
   /// A fault reset or a jog is never a stop, whatever else is in the word.

@@ -65,6 +65,15 @@ struct DurationRule {
 };
 /// A string with unit.
 [[nodiscard]] Form<canopen::Duration> duration(DurationRule rule);
+/// Bytes, as a string with unit: `"50MB"`.
+[[nodiscard]] Form<std::uint64_t> size(std::uint64_t min, std::uint64_t max);
+struct PathRule {
+  std::size_t longest = 200;         ///< Bytes.
+  std::string_view why_no_longer{};  ///< Of that limit, for people: ` (a socket's address)`.
+  bool may_be_empty = false;
+};
+/// An absolute path without control characters.
+[[nodiscard]] Form<std::string> absolute_path(PathRule rule);
 [[nodiscard]] Form<canopen::ObjectAddress> object();
 [[nodiscard]] Form<canopen::DataType> data_type();
 [[nodiscard]] Form<std::pair<canopen::ObjectAddress, canopen::DataType>> mapped_object();

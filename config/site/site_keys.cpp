@@ -15,6 +15,9 @@ using std::chrono::seconds;
 
 constexpr hours kDay(24);
 
+// sockaddr_un::sun_path has 108 bytes, the last of them 0.
+constexpr std::size_t kLongestSocket = 107;
+
 /// What stands in a table that is only checked, or not even that yet.
 struct Nothing {};
 
@@ -48,9 +51,14 @@ const SectionOf<Gateway>& gateway_section() {
   static const SectionOf<Gateway> section(
       "[gateway]",
       {Field("name", &Gateway::name, name(), "Second part of every topic.").unset("the host's name"),
-       Field::later("state_dir", "string", "/var/lib/canopen-gateway", "Directory of alarms, journal and records."),
-       Field::later("control", "string", "/run/canopen-gateway/control", "The socket of the command line."),
-       Field::later("journal", "size", "50MB", "What the journal of commands may take.")});
+       Field("state_dir", &Gateway::state_dir, absolute_path({}),
+             "Directory of what outlives the process: the journal of commands."),
+       Field("control", &Gateway::control,
+             absolute_path(
+                 {.longest = kLongestSocket, .why_no_longer = " in the address of a socket", .may_be_empty = true}),
+             "The socket of the command line, at most 107 bytes; empty: none."),
+       Field("journal", &Gateway::journal, size(1'000'000, 1'000'000'000'000),
+             "What the journal of commands may take; its oldest files go first.")});
   return section;
 }
 

@@ -27,6 +27,15 @@ TEST(Errors, Abort08000020ShowsTheMakersTextToo) {
   EXPECT_NE(text.find("AC300CAN1: cannot be changed in the current device state"), std::string::npos) << text;
 }
 
+TEST(Errors, AbortsOfStateAndLocalControlNameTheOtherCauseToo) {
+  for (const std::uint32_t code : {0x08000020U, 0x08000021U, 0x08000022U}) {
+    const std::string text(abort_text(code));
+    EXPECT_NE(text.find("only by PDO: write the fields together"), std::string::npos) << text;
+  }
+  EXPECT_NE(abort_text(0x08000021).find("local control"), std::string_view::npos);
+  EXPECT_NE(abort_text(0x08000022).find("device state"), std::string_view::npos);
+}
+
 TEST(Errors, AResultWithoutValueThrowsItsText) {
   const Result<int> result = Error{.kind = ErrorKind::offline, .node = 7};
   try {

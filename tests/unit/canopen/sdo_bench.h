@@ -39,7 +39,7 @@ class SdoBench : public testing::Test {
     loop_.advance(std::chrono::milliseconds(2));
   }
   ~SdoBench() override {
-    client_->interrupt();
+    client_->close();
     loop_.settle();
     EXPECT_TRUE(client_->idle());
     client_.reset();

@@ -89,7 +89,7 @@ TEST_F(SdoLateAnswersTest, ACommandLeavesAlsoWhereTheDriveStaysSilent) {
   slave_.set(kCommand, DataType::u16, 0);
   static_cast<void>(read_now(kStatus, DataType::u16));
   slave_.delay_answers(1100ms);  // What it is sent it does, but says so late.
-  const auto start = command(kCommand, 1);
+  const auto start = command(kCommand, 1, 500ms);
   loop_.advance(550ms);
   ASSERT_TRUE(start.done());
   EXPECT_TRUE(start.get().error().outcome_unknown);
@@ -117,7 +117,7 @@ TEST_F(SdoLateAnswersTest, WithoutProofNoAnswerConfirmsOrRefusesACommand) {
     slave_.script({});
     slave_.mute_sdo(true);
     use({});
-    const auto first = command(kCommand, 1);
+    const auto first = command(kCommand, 1, 500ms);
     loop_.advance(550ms);
     ASSERT_TRUE(first.done());
     slave_.mute_sdo(false);
@@ -216,7 +216,7 @@ TEST_F(SdoLateAnswersTest, HoweverLongAgoItWasARequestIsNotForgotten) {
 TEST_F(SdoLateAnswersTest, ALateProofProvesNothing) {
   slave_.set(kCommand, DataType::u16, 0);
   slave_.delay_answers(1100ms);
-  const auto start = command(kCommand, 1);  // Its answer comes at 1100 ms.
+  const auto start = command(kCommand, 1, 500ms);  // Its answer comes at 1100 ms.
   loop_.advance(550ms);
   slave_.delay_answers(2s);
   const auto stop = command(kCommand, 5);  // The proof at 2550 ms, the stop's own answer at 2950 ms.

@@ -111,7 +111,7 @@ TEST(Advice, WarnsOfAnRpdoThatIsNeverSent) {
   const std::string limits = "[drive.signals.frequency_command]\nmax = 50\n";
   EXPECT_THAT(
       warnings_of(load_site(kBus + hoist + kCommands + limits + kMqtt)),
-      UnorderedElementsAre(HasSubstr("nothing stops it"),
+      UnorderedElementsAre(HasSubstr("nothing stops it"), HasSubstr("no value of control_command is known"),
                            HasSubstr("rpdo2 is never sent, because nothing says what its field 0x2100:04 is for")));
 }
 

@@ -27,8 +27,9 @@ TEST(TheDemo, RunsTheFourSystemsOnABusInsideTheProcess) {
   std::vector<std::string> profiles;
   for (const Drive& drive : model.drives) {
     profiles.push_back(drive.profile);
-    EXPECT_EQ(drive.commands.writers, (Writers{.modbus = true, .mqtt = true})) << drive.name;
+    EXPECT_EQ(drive.commands.writers, (Writers{.modbus = true, .mqtt = true, .local = true})) << drive.name;
     EXPECT_EQ(drive.commands.raw, drive.name == "pump1") << drive.name;  // its fault is raised by a raw write
+    EXPECT_TRUE(canopen::first_stop(drive.node.motor).has_value()) << drive.name;
     for (const canopen::MappedObject& field : drive.node.rpdos.at(0).mapping) {
       EXPECT_NE(field.use, canopen::FieldUse::unnamed) << drive.name;
     }

@@ -89,11 +89,9 @@ INSTANTIATE_TEST_SUITE_P(
     Keys, NotSupported,
     testing::Values(Case{"[http]\nlisten = \"127.0.0.1:9464\"\n", "7:2: error: [http]"},
                     Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"},
-                    Case{"[drive.commands]\nlease = \"5s\"\n", "8:1: error: drive \"pump1\": commands.lease"},
-                    Case{"[drive.commands]\ntimeout = \"1s\"\n", "commands.timeout"},
-                    Case{"[drive.commands]\non_timeout = \"cease\"\n", "commands.on_timeout"},
-                    Case{"[drive.commands]\non_timeout = \"values\"\n", "commands.on_timeout"},
-                    Case{"[drive.commands]\nvalues = { control_command = 5 }\n", "commands.values"},
+                    Case{"guarding = \"1s\"\n", "7:1: error: drive \"pump1\": guarding"},
+                    Case{"[drive.sdo]\npatience = \"1s\"\n", "8:1: error: drive \"pump1\": sdo.patience"},
+                    Case{"[drive.emcy]\nenable = true\n", "emcy.enable"},
                     Case{"[mqtt]\nbrokers = [\"mqtt://a:1\", \"mqtt://b:1\"]\n", "more than one broker"},
                     Case{"[mqtt]\nbrokers = [\"mqtts://a:8883\"]\n", "mqtts://"},
                     Case{"[mqtt]\nca_file = \"x\"\n", "mqtt.ca_file"},
@@ -102,12 +100,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"[mqtt]\nhome_assistant = true\n", "mqtt.home_assistant"}));
 
 TEST(NotBuilt, AreTheDefaultsOfWhatIsNotBuiltEither) {
-  EXPECT_EQ(errors_of(load_site(kBus + kDrive + "[drive.commands]\nlease = \"0s\"\nwriters = [\"local\"]\n")),
+  EXPECT_EQ(errors_of(load_site(kBus + kDrive + "guarding = \"0s\"\n[drive.sdo]\nblock = false\n")),
             (std::vector<std::string>{
-                "gateway.toml:8:1: error: drive \"pump1\": commands.lease is not supported by this version; leave it "
-                "out",
-                "gateway.toml:9:12: error: drive \"pump1\": commands.writers \"local\" is not supported by this "
-                "version"}));
+                "gateway.toml:7:1: error: drive \"pump1\": guarding is not supported by this version; leave it out",
+                "gateway.toml:9:1: error: drive \"pump1\": sdo.block is not supported by this version; leave it out"}));
 }
 
 TEST(WrongTypes, AreNamed) {

@@ -106,6 +106,46 @@ TEST(Stops, OfTheSiteReplaceThoseOfTheProfile) {
               ElementsAre(StopWord{0xFFFF, 2}, StopWord{0x87, 6}));
 }
 
+// What a stop for all sends.
+TEST(Stops, BeginWithAnExactValue) {
+  EXPECT_EQ(canopen::first_stop(drive_of("cia402-velocity").node.motor), 6U);
+  EXPECT_EQ(canopen::first_stop(drive_of("vacon-opte6").node.motor), 6U);
+  EXPECT_EQ(canopen::first_stop(drive_of("veichi-ac310").node.motor), std::nullopt);
+  EXPECT_EQ(canopen::first_stop(drive_of("veichi-ac310", "presets = [\"veichi-command-codes\"]\n").node.motor), 5U);
+  const auto of = [](canopen::DataType type, std::vector<StopWord> stops) {
+    return canopen::first_stop(MotorSigns{.control_type = type, .stops = std::move(stops)});
+  };
+  EXPECT_EQ(of(canopen::DataType::i8, {{0xFF, 0xFF}}), ~canopen::Raw{0}) << "as the type holds it";
+  EXPECT_EQ(of(canopen::DataType::u16, {{0xFF, 5}, {0xFFFF, 6}}), 6U) << "no mask is one value";
+  EXPECT_EQ(of(canopen::DataType::u16, {}), std::nullopt);
+}
+
+TEST(Edges, OfCia402AreTheFaultReset) {
+  for (const std::string profile : {"cia402-velocity", "vacon-opte6"}) {
+    EXPECT_THAT(signal_of(drive_of(profile), "control_command").edge, ElementsAre(0x0080U)) << profile;
+  }
+  // Which of them act on the level is not known of these.
+  for (const std::string profile : {"veichi-ac300", "veichi-ac310", "invt-goodrive600"}) {
+    EXPECT_THAT(signal_of(drive_of(profile), "control_command").edge, IsEmpty()) << profile;
+  }
+}
+
+TEST(Remote, IsBitFiveWhereTheStatusWordTellsIt) {
+  for (const auto& [profile, mask] : {std::pair<std::string, std::uint64_t>{"cia402-velocity", 0x0200},
+                                      {"vacon-opte6", 0x0200},
+                                      {"invt-goodrive600", 0x6000}}) {
+    const Drive drive = drive_of(profile);
+    const Signal& remote = signal_of(drive, "remote");
+    EXPECT_EQ(remote.modbus, (ModbusPlace{ModbusKind::bit, 5, 1, false})) << profile;
+    EXPECT_EQ(drive.signals.at(remote.derived->from).name, "status_word") << profile;
+    EXPECT_EQ(remote.derived->mask, mask) << profile;
+  }
+  EXPECT_EQ(signal_of(drive_of("invt-goodrive600"), "remote").derived->values, (std::vector<std::uint64_t>{0x4000}));
+  for (const std::string profile : {"veichi-ac300", "veichi-ac310"}) {
+    EXPECT_EQ(drive_of(profile).find("remote"), std::nullopt) << profile;
+  }
+}
+
 TEST(Lives, AreAsTheProfileAndTheSiteSay) {
   const std::string own = "title = \"Own\"\nextends = \"cia402-velocity\"\nself_starting = true\n";
   const auto node = [&own](const std::string& more) {

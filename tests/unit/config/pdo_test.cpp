@@ -51,6 +51,30 @@ TEST(Pdos, HaveThePredefinedCobIds) {
   EXPECT_EQ(node.tpdos.at(0).transmission_type, std::nullopt);
 }
 
+TEST(Pdos, CountOnAnEventTimerThatTheSiteStatesOrTheDriveIsKnownToHave) {
+  const auto required = [](std::string_view more, std::string_view profile = "") {
+    return model_of(pdo_site(more), kThreeObjects + std::string(profile))
+        .drives.at(0)
+        .node.rpdos.at(0)
+        .event_timer_required;
+  };
+  EXPECT_FALSE(required(""));
+  EXPECT_TRUE(required("rpdo1.event_timer = \"300ms\"\n"));
+  EXPECT_FALSE(required("rpdo1.event_timer = \"0s\"\n")) << "none needs no object";
+  const std::string timed = "[rpdo2]\nmap = [\"0x2002:01 u16\"]\nevent_timer = \"300ms\"\n";
+  const std::string signal = "[signals.x]\nobject = \"0x2002:01\"\ntype = \"u16\"\naccess = \"write\"\naddress = 200\n";
+  const auto second = [&](std::string_view more, std::string_view profile) {
+    return model_of(pdo_site(more), kThreeObjects + timed + std::string(profile) + signal)
+        .drives.at(0)
+        .node.rpdos.at(1)
+        .event_timer_required;
+  };
+  EXPECT_FALSE(second("", ""));
+  EXPECT_TRUE(second("", "supervised = true\n"));
+  EXPECT_TRUE(second("rpdo2.event_timer = \"300ms\"\n", "")) << "the same value, but the site's";
+  EXPECT_FALSE(node_with("tpdo1.event_timer = \"300ms\"\n").tpdos.at(0).event_timer_required);
+}
+
 TEST(Pdos, TakeTheirKeys) {
   const auto node = node_with(
       "tpdo1 = { cob_id = \"$NODEID+0x380\", communication = \"assume\", mapping = \"verify\", "

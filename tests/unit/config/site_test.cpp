@@ -58,6 +58,28 @@ TEST(Defaults, LeaveModbusAndMqttOff) {
   EXPECT_FALSE(model.mqtt.has_value());
 }
 
+TEST(Gateway, SaysWhereItKeepsThings) {
+  const Gateway standard = model_of(kBus + kDrive).gateway;
+  EXPECT_EQ(standard.state_dir, "/var/lib/canopen-gateway");
+  EXPECT_EQ(standard.control, "/run/canopen-gateway/control");
+  EXPECT_EQ(standard.journal, 50'000'000U);
+  const Gateway own =
+      model_of("[gateway]\nstate_dir = \"/srv/a b\"\ncontrol = \"/tmp/c\"\njournal = \"1GB\"\n" + kBus + kDrive)
+          .gateway;
+  EXPECT_EQ(own.state_dir, "/srv/a b");
+  EXPECT_EQ(own.control, "/tmp/c");
+  EXPECT_EQ(own.journal, 1'000'000'000U);
+  EXPECT_EQ(model_of("[gateway]\ncontrol = \"\"\n" + kBus + kDrive).gateway.control, "");
+}
+
+TEST(Gateway, HasASocketWhoseAddressHoldsItsPath) {
+  const auto site = [](std::size_t length) {
+    return "[gateway]\ncontrol = \"/" + std::string(length - 1, 'a') + "\"\n" + kBus + kDrive;
+  };
+  EXPECT_EQ(model_of(site(107)).gateway.control.size(), 107U);
+  EXPECT_THAT(error_of(site(108)), HasSubstr("has 108 bytes; at most 107 are possible in the address of a socket"));
+}
+
 TEST(Gateway, TakesTheHostsNameWithoutItsDomain) {
   ProfileLibrary library({kProfiles});
   const LoadOptions options{.file = "gateway.toml", .profile_dirs = {}, .host_name = "plant 3.example.org"};

@@ -37,6 +37,29 @@ TEST(Durations, AreWrittenInTheLargestUnitThatDividesThem) {
   EXPECT_EQ(to_text(hours(24)), "24h");
 }
 
+TEST(Sizes, AreReadWithTheirUnit) {
+  EXPECT_EQ(parse_size("50MB"), 50'000'000U);
+  EXPECT_EQ(parse_size("1.5GB"), 1'500'000'000U);
+  EXPECT_EQ(parse_size("1.1kB"), 1100U);
+  EXPECT_EQ(parse_size("7B"), 7U);
+  EXPECT_EQ(parse_size("1000000GB"), 1'000'000'000'000'000U);
+}
+
+TEST(Sizes, OfAnyOtherFormAreNone) {
+  for (const auto* const text : {"", "50", "MB", "-5MB", " 5MB", "5 MB", "5mb", "5KB", "5MiB", "1e3MB", "nanMB",
+                                 "0x5MB", "1.5B", "0.0001kB", "1000001GB", "99999999999999999999GB"}) {
+    EXPECT_EQ(parse_size(text), std::nullopt) << text;
+  }
+}
+
+TEST(Sizes, AreWrittenInTheLargestUnitThatDividesThem) {
+  EXPECT_EQ(size_text(50'000'000), "50MB");
+  EXPECT_EQ(size_text(1'500'000'000), "1500MB");
+  EXPECT_EQ(size_text(2'000'000'000), "2GB");
+  EXPECT_EQ(size_text(1001), "1001B");
+  EXPECT_EQ(size_text(0), "0B");
+}
+
 TEST(Integers, AreDecimalOrHexadecimal) {
   EXPECT_EQ(parse_integer("17"), 17);
   EXPECT_EQ(parse_integer("-3"), -3);

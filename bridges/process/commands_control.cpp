@@ -1,0 +1,92 @@
+// Leases, signs of life, and what a time-out does.
+
+#include <boost/asio/co_spawn.hpp>
+#include <exception>
+#include <utility>
+
+#include "bridges/process/commands.h"
+#include "canopen/node/remote_node.h"
+
+namespace process {
+
+using boost::asio::awaitable;
+
+ControlSettings Commands::control_settings(const config::Commands& commands) {
+  return {.lease = commands.lease,
+          .timeout = commands.timeout,
+          .feedback = commands.feedback,
+          .on_timeout = commands.on_timeout};
+}
+
+ControlUse Commands::use_of(const Field& field) const {
+  if (!commanded_.is_control(field.signal)) {
+    return ControlUse::none;
+  }
+  if (commanded_.is_stop(field.raw)) {
+    return ControlUse::stop;
+  }
+  return config::is_momentary(model_.signals[field.signal], field.raw) ? ControlUse::momentary : ControlUse::run;
+}
+
+void Commands::on_running(std::optional<bool> running) {
+  control_.on_running(running, canopen::Clock::now());
+  control_changed();
+}
+
+void Commands::on_taken_over() {
+  control_.on_taken_over(running(), canopen::Clock::now());
+  control_changed();
+}
+
+void Commands::on_sign_of_life(const Writer& writer) {
+  control_.on_sign_of_life(writer, canopen::Clock::now());
+  control_changed();
+}
+
+void Commands::control_changed() {
+  ControlState state = control_.state();
+  const bool differs = state != told_;
+  told_ = std::move(state);
+  if (!closed_) {
+    control_time_.arm(canopen::or_soon(control_.next_time()));
+  }
+  if (differs) {
+    listener_.on_control();
+  }
+}
+
+void Commands::on_control_time() {
+  const CommandTimeout::Action action = control_.expire(canopen::Clock::now());
+  if (action == CommandTimeout::Action::cease) {
+    commanded_.on_fault_begin("no sign of life of its writer");
+    on_void();
+  } else if (action == CommandTimeout::Action::write_values && !closed_) {
+    boost::asio::co_spawn(executor_, write_timeout_values(), [](const std::exception_ptr& failure) {
+      if (failure) {
+        std::rethrow_exception(failure);
+      }
+    });
+  }
+  control_changed();
+}
+
+awaitable<void> Commands::write_timeout_values() {
+  const Visit visit(*this);
+  PendingCommand command = arrive({.writer = {.way = Writer::Way::gateway, .address = {}}}, CommandRecord::Kind::write);
+  std::vector<FieldWrite> values;
+  for (const config::TimeoutValue& value : model_.commands.timeout_values) {
+    values.push_back({static_cast<SignalId>(value.signal), value.raw});
+  }
+  take_fields(command, values);
+  command.passes_lease = true;
+  Outcome outcome = co_await overtake(command, std::move(values));
+  finish(command, outcome);
+  if (outcome.has_error()) {
+    control_.on_values_failed(canopen::to_string(outcome.error()), canopen::Clock::now());
+  } else {
+    control_.on_values_confirmed();
+  }
+  control_changed();
+}
+
+}  // namespace process

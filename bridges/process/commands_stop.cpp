@@ -1,0 +1,228 @@
+// Stops: they go before everything that waits.
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "bridges/process/command_checks.h"
+#include "bridges/process/commands.h"
+#include "canopen/node/remote_node.h"
+
+namespace process {
+
+using boost::asio::awaitable;
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Result;
+
+/// What of a command that goes first is sent, `control_command` at the front, and why the rest of it is not.
+struct Commands::StopParts {
+  std::vector<Field> fields;
+  std::optional<Error> left_out;
+};
+
+Commands::StopParts Commands::take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const {
+  StopParts parts;
+  const auto lease = command.passes_lease
+                         ? std::nullopt
+                         : control_.refuse(command.record.writer, ControlUse::none, canopen::Clock::now());
+  for (const FieldWrite& write : given) {
+    const bool control = commanded_.is_control(write.signal);
+    if (control) {
+      config::Signal without_limits = model_.signals[write.signal];
+      without_limits.min.reset();
+      without_limits.max.reset();
+      if (const Result<canopen::Raw> raw = check_given(without_limits, write); raw.has_value()) {
+        parts.fields.push_back({write.signal, raw.value()});
+      }
+      continue;
+    }
+    const Result<std::vector<Field>> checked = check_fields(model_, {write});
+    if (lease || checked.has_error()) {
+      parts.left_out = lease ? error(ErrorKind::lease, *lease) : checked.error();
+      if (!lease && write.signal < model_.signals.size()) {
+        parts.left_out->detail = model_.signals[write.signal].name + ": " + parts.left_out->detail;
+      }
+    } else {
+      parts.fields.push_back(checked.value().front());
+    }
+  }
+  parts.fields = in_writing_order(model_, std::move(parts.fields));
+  if (!parts.fields.empty() && commanded_.is_control(parts.fields.back().signal)) {
+    std::rotate(parts.fields.begin(), parts.fields.end() - 1, parts.fields.end());
+  }
+  return parts;
+}
+
+awaitable<Outcome> Commands::overtake(PendingCommand& command, std::vector<FieldWrite> given) {
+  StopParts parts = take_apart(command, given);
+  command.deadline = canopen::Clock::now() + model_.commands.deadline;
+  if (!command.passes_lease) {
+    control_.on_accepted(command.record.writer, command.use, canopen::Clock::now());
+    control_changed();
+  }
+  const bool stops = command.use == ControlUse::stop;
+  if (stops) {
+    go_first(command, parts.fields.front().raw);
+  }
+  const CommandLane::Place place(stops_, command);
+  Refusal refused = co_await await_stop_turn(command);
+  if (refused) {
+    co_return *std::move(refused);
+  }
+  if (stops) {
+    co_await note_begin(command);
+    const Result<void> stopped = co_await send_stop(command, parts.fields);
+    if (stopped.has_error()) {
+      co_return stopped;
+    }
+  }
+  Outcome rest = co_await send_rest(command, std::move(parts.fields));
+  if (rest.has_value() && parts.left_out) {
+    rest = *std::move(parts.left_out);
+    rest.failure->detail += command.written_names.empty() ? "" : "; already written: " + command.written_names;
+  }
+  co_return rest;
+}
+
+/// From its arrival on, nothing older that writes `control_command` leaves any more, and what is repeated holds the
+/// stop.
+void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
+  last_stop_ = stop.number;
+  last_stop_text_ = "control_command " + std::to_string(raw) + " of " + to_string(stop.record.writer);
+  for (PendingCommand* older : stops_.all()) {
+    const bool equal = std::any_of(
+        older->record.fields.begin(), older->record.fields.end(),
+        [&](const FieldRecord& field) { return commanded_.is_control(field.signal) && field.asked == raw; });
+    // One that waits for its turn is done by the newer one.
+    if (!older->begun && equal && older->record.fields.size() == 1) {
+      older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);
+    }
+  }
+  commanded_.on_stop(raw);
+  call_back();
+  node_.repetition_changed();
+  changed_.notify();
+}
+
+awaitable<Commands::Refusal> Commands::await_stop_turn(PendingCommand& command) {
+  while (!stops_.is_first(command)) {
+    if (closed_) {
+      co_return closed_error();
+    }
+    if (command.ended) {
+      co_return command.ended;
+    }
+    if (canopen::Clock::now() >= command.deadline) {
+      co_return refuse_for_time(command);
+    }
+    co_await changed_.wait_until(command.deadline);
+  }
+  if (closed_) {
+    co_return closed_error();
+  }
+  command.begun = true;
+  co_return std::nullopt;
+}
+
+awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector<Field>& fields) {
+  const Field control = fields.front();
+  if (refuse_unreachable()) {
+    // Its RPDOs are not sure, or it is not there: one SDO write, whatever comes of it.
+    const Result<void> sent = co_await send_sdo(command, control, true);
+    if (sent.has_value()) {
+      take_out(command, fields, {{control}});
+    }
+    co_return sent;
+  }
+  const canopen::ObjectAddress object = model_.signals[control.signal].object;
+  const std::uint16_t rpdo = commanded_.rpdo_of(control.signal);
+  const WriteStep step{rpdo, fields_of(commanded_, rpdo, fields)};
+  if (rpdo != 0 && commanded_.values(rpdo, step.fields)) {
+    const bool doubtful = node_.may_still_act(object);
+    const Result<void> left = co_await send_rpdo(command, step, {});
+    // An older write of the same object that the drive has not answered may still take effect: it is written again
+    // behind that one.
+    if (left.has_value() && !doubtful && !node_.may_still_act(object)) {
+      take_out(command, fields, step.fields);
+      co_return left;
+    }
+    Result<void> written = co_await stop_by_sdo(command, fields, left.has_value());
+    co_return written;
+  }
+  Result<void> written = co_await stop_by_sdo(command, fields, false);
+  co_return written;
+}
+
+awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vector<Field>& fields, bool left_by_rpdo) {
+  const Field control = fields.front();
+  const Result<void> written = co_await send_sdo(command, control, true);
+  if (written.has_value()) {
+    take_out(command, fields, {{control}});
+    co_return written;
+  }
+  if (!takes_no_sdo(written.error())) {
+    co_return written;
+  }
+  if (left_by_rpdo) {
+    // Then it took no older write of it either.
+    const std::vector<Field> sent = fields_of(commanded_, commanded_.rpdo_of(control.signal), fields);
+    take_out(command, fields, sent);
+    co_return Result<void>();
+  }
+  Result<void> left = co_await complete_by_reading(command, fields);
+  co_return left;
+}
+
+/// A drive that takes its control command only by PDO: what it holds of the set-points completes a stop, and a stop
+/// alone.
+awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, std::vector<Field>& fields) {
+  const SignalId control = fields.front().signal;
+  const std::uint16_t rpdo = commanded_.rpdo_of(control);
+  const WriteStep step{rpdo, fields_of(commanded_, rpdo, fields)};
+  const auto missing = commanded_.missing(rpdo, step.fields);
+  const Error incomplete = explain(Error{.kind = ErrorKind::refused, .abort = 0x06010000}, control);
+  if (!missing) {
+    co_return incomplete;
+  }
+  std::vector<Field> borrowed;
+  for (const SignalId signal : *missing) {
+    const config::Signal& what = model_.signals[signal];
+    const Result<canopen::Raw> held = co_await node_.read(what.object, what.type);
+    if (held.has_error() || canopen::Clock::now() >= command.deadline) {
+      co_return incomplete;
+    }
+    borrowed.push_back({signal, held.value()});
+  }
+  Result<void> left = co_await send_rpdo(command, step, borrowed);
+  if (left.has_value()) {
+    take_out(command, fields, step.fields);
+  }
+  co_return left;
+}
+
+/// The set-points beside a stop, or those of a time-out: they pass what waits, but are set-points.
+awaitable<Outcome> Commands::send_rest(PendingCommand& command, std::vector<Field> fields) {
+  const bool stopped = command.use == ControlUse::stop;
+  while (!fields.empty()) {
+    Refusal refused = refuse_unreachable();
+    if (!refused && canopen::Clock::now() >= command.deadline) {
+      refused = refuse_for_time(command);
+    }
+    Outcome outcome;
+    if (refused) {
+      outcome = *std::move(refused);
+    } else {
+      outcome = co_await take_step(command, fields);
+    }
+    if (outcome.has_error()) {
+      if (stopped) {
+        outcome.failure->detail += "; already written: " + command.written_names;
+      }
+      co_return outcome;
+    }
+  }
+  co_return Outcome();
+}
+
+}  // namespace process

@@ -1,0 +1,85 @@
+// Stops of an SDO client: before everything else, and confirmed by no answer that may be that to an older request.
+
+#include <algorithm>
+#include <string>
+
+#include "canopen/bus/bus.h"
+#include "canopen/sdo/client.h"
+
+namespace canopen {
+namespace {
+
+// So long what is under way may hold a stop back: some drives need 100 ms for an answer, and such a one still counts.
+constexpr Duration kStopPatience = std::chrono::milliseconds(101);
+
+}  // namespace
+
+boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object, DataType type, Raw raw,
+                                                           TimePoint deadline, unsigned most_sent) {
+  SdoLine::Place place(line_, SdoLine::Kind::stop, Clock::now());
+  make_way(deadline);
+  if (!co_await place.wait_until(deadline)) {
+    co_return addressed(*place.called_off(), object);
+  }
+  abort_.reset();
+  Unanswered::Count older = unanswered_.count(object);
+  bool disturbed = false;
+  for (unsigned sent = 1;; ++sent) {
+    SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::stop, deadline, unanswered_.any());
+    co_await carry_out(exchange);
+    if (exchange.answered() && settles(exchange, older)) {
+      for (unsigned others = 1; others < sent; ++others) {
+        unanswered_.note(object, false);
+      }
+      co_return outcome(exchange, true);
+    }
+    const bool again = exchange.answered() || (exchange.disturbed() && !disturbed);
+    if (!again || sent >= most_sent || Clock::now() >= deadline) {
+      const bool never_sent = sent == 1 && exchange.error() && exchange.error()->not_sent;
+      co_return never_sent ? *exchange.error() : not_confirmed(exchange);
+    }
+    if (exchange.disturbed()) {
+      disturbed = true;
+      older = unanswered_.count(object);
+    }
+  }
+}
+
+void SdoClient::make_way(TimePoint deadline) {
+  if (exchange_ == nullptr || exchange_->is_stop()) {
+    return;
+  }
+  line_.call_off_held_command({.kind = ErrorKind::timeout, .not_sent = true, .detail = "not sent: a stop goes first"});
+  const TimePoint now = Clock::now();
+  exchange_->hurry(now + std::min(kStopPatience, (deadline - now) / 2));
+}
+
+bool SdoClient::settles(const SdoExchange& stop, Unanswered::Count& older) {
+  const ObjectAddress object = stop.transfer().object();
+  const bool confirms = !stop.error();
+  // Uploads are answered otherwise, but aborted alike.
+  const bool to_download = confirms && !channel_.settings.accept_upload_style_write_answer;
+  if ((to_download ? older.downloads : older.all) == 0) {
+    unanswered_.clear();
+    return true;
+  }
+  older.take_one(to_download);
+  unanswered_.note(object, false);
+  unanswered_.take_one(object, to_download);
+  return false;
+}
+
+Error SdoClient::not_confirmed(const SdoExchange& stop) const {
+  Error error = addressed({.kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "sent, not confirmed"},
+                          stop.transfer().object());
+  const std::optional<Error>& why = stop.error();
+  if (stop.answered()) {
+    error.detail += std::string(": ") + kMayBeOlder;
+  } else if (why) {
+    error.kind = why->kind == ErrorKind::offline ? ErrorKind::offline : ErrorKind::timeout;
+    error.detail += ": " + why->detail;
+  }
+  return error;
+}
+
+}  // namespace canopen
