@@ -62,10 +62,11 @@ void add_drives(SimulatedSite& site, DemoBuses& buses, const config::Model& mode
 }  // namespace
 
 int demo(const Options& options) {
-  const std::optional<config::Model> model = demo_model(options);
+  std::optional<config::Model> model = demo_model(options);
   if (!model) {
     return kConfigurationError;
   }
+  model->gateway.state_dir.clear();  // What a demo is told concerns no plant.
   const Log log(options.verbose);
   boost::asio::io_context loop(1);
   DemoBuses buses(loop.get_executor(), *model);
