@@ -9,15 +9,11 @@
 #include "bridges/process/control_use.h"
 #include "bridges/process/writer.h"
 #include "canopen/clock.h"
+#include "config/model.h"
 
 namespace process {
 
-/// What is done where a writer gives no sign of life any more.
-enum class OnTimeout : std::uint8_t {
-  hold,   ///< The drive goes on; alarm and register 1000 bit 6 tell.
-  cease,  ///< RPDOs are repeated no more, and the drive trips by its own supervision.
-  values  ///< Values of the site are written: a stop, or set-points.
-};
+using config::OnTimeout;
 
 /// The time without a sign of life that the writer of a running drive may take.
 ///

@@ -87,11 +87,6 @@ std::vector<Field> fields_of(const Commanded& commanded, std::uint16_t rpdo, std
   return found;
 }
 
-canopen::ObjectValue object_value(const config::Drive& model, const Field& field) {
-  const config::Signal& signal = model.signals[field.signal];
-  return {signal.object, signal.type, field.raw};
-}
-
 std::string completion_text(const config::Drive& model, std::uint16_t rpdo) {
   const auto& rpdos = model.node.rpdos;
   const auto found = std::find_if(rpdos.begin(), rpdos.end(), [&](const auto& pdo) { return pdo.number == rpdo; });

@@ -29,11 +29,12 @@ struct WriteStep {
 [[nodiscard]] std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Field> fields);
 
 /// The next step of writing `remaining` (not empty, in writing order): an RPDO where these fields complete it, else the
-/// first by SDO; what holds the control command comes last. `allow_rpdo` false: by SDO in any case.
-[[nodiscard]] WriteStep next_step(const config::Drive& model, const canopen::RemoteNode& node,
-                                  std::span<const Field> remaining, bool allow_rpdo);
+/// first by SDO; what writes the control command comes last.
+[[nodiscard]] WriteStep next_step(const Commanded& commanded, std::span<const Field> remaining);
 
-[[nodiscard]] canopen::ObjectValue object_value(const config::Drive& model, const Field& field);
+/// Those of `fields` that RPDO `rpdo` maps.
+[[nodiscard]] std::vector<Field> fields_of(const Commanded& commanded, std::uint16_t rpdo,
+                                           std::span<const Field> fields);
 
 /// What completes an RPDO, for people: `write control_command, frequency_command and torque_command together`.
 [[nodiscard]] std::string completion_text(const config::Drive& model, std::uint16_t rpdo);

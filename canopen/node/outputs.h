@@ -15,6 +15,7 @@
 #include "canopen/clock.h"
 #include "canopen/error.h"
 #include "canopen/event.h"
+#include "canopen/frame.h"
 #include "canopen/node/node_settings.h"
 #include "canopen/node/pdo.h"
 #include "canopen/wake_up.h"
