@@ -24,18 +24,14 @@ std::string text_of(const journal::Report& report, const std::filesystem::path& 
     text += count_text(report.lost, "line") + " could not be written while the disk was full or hung\n";
   }
   if (!report.sound()) {
-    text += (directory / report.broken).string() + '\n';
+    return text + (directory / report.broken).string() + '\n';
   }
-  text += (report.sound() ? "ok: " : "in order before that: ") + count_text(report.lines, "line") + " of " +
-          count_text(report.files, "file");
+  text += "ok: " + count_text(report.lines, "line") + " of " + count_text(report.files, "file");
   if (report.lines > 0) {
-    text += ", " + report.from + " to " + report.to;
+    text += ", " + report.from + " to " + report.to + "\nnewest: line " + std::to_string(report.newest) + ", SHA-256 " +
+            report.newest_hash;
   }
-  text += '\n';
-  if (report.sound() && report.newest > 0) {
-    text += "newest: line " + std::to_string(report.newest) + ", SHA-256 " + report.newest_hash + '\n';
-  }
-  return text;
+  return text + '\n';
 }
 
 }  // namespace

@@ -36,11 +36,11 @@ void Verifier::add(std::string_view bytes) {
 
 void Verifier::end_file() {
   ++report_.files;
+  const bool unended = reader_->unended();
+  const Junk rest = reader_->finish();  // which may take one more line
   if (!report_.sound()) {
     return;
   }
-  const bool unended = reader_->unended();
-  const Junk rest = reader_->finish();
   if (rest.bytes > 0 && (rest.line_breaks > 0 || !unended)) {
     return break_at(place_of(rest.line), "changed: it is no line of a journal");
   }

@@ -15,10 +15,11 @@ namespace journal {
 struct Report {
   std::string broken;                ///< `2026-11-26.jsonl:17: …`, the first line that was changed or is missing.
   std::vector<std::string> remarks;  ///< What is in order and worth knowing: older lines removed, torn lines.
-  std::uint64_t lines = 0;           ///< Up to there.
+  // The rest tells of a sound one only.
+  std::uint64_t lines = 0;
   std::uint64_t files = 0;
   std::uint64_t lost = 0;  ///< Lines that the gateway says it could not write.
-  std::string from;        ///< `ts` of the first and the last of these lines.
+  std::string from;        ///< `ts` of the first and the last line.
   std::string to;
   std::uint64_t newest = 0;  ///< `n` of the last one; 0: there is none.
   std::string newest_hash;

@@ -1,5 +1,5 @@
-// Any bytes as a journal of two files: the verdict does not depend on how they were read, and a journal without anything
-// to say of consists of its lines and nothing else.
+// Any bytes as a journal of two files: the verdict does not depend on how they were read, and a journal without
+// anything to say of consists of its lines and nothing else.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -178,6 +178,14 @@ TEST_F(JournalVerify, AFirstLineThatNamesOneBeforeIt) {
   EXPECT_EQ(report().broken, "2026-01-01.jsonl:1: changed: it is the first line and names one before it");
 }
 
+TEST_F(JournalVerify, ALastLineThatIsWrongAndDoesNotEnd) {
+  for (const int day : {1, 2}) {
+    std::filesystem::remove(file(day));
+  }
+  set_text(file(3), make_line(entry_at(1, 0), 1, std::string(64, 'b')));
+  EXPECT_THAT(report().broken, StartsWith("2026-01-03.jsonl:1: changed"));
+}
+
 TEST(JournalVerifyOf, AnEmptyDirectoryIsSound) {
   const TemporaryDirectory directory;
   std::error_code failure;
