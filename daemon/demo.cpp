@@ -70,6 +70,7 @@ int demo(const Options& options) {
   // The demo leaves no trace, and does not get in the way of the gateway that this machine may run.
   const TemporaryDirectory directory;
   model->gateway.control = (directory.path() / "control").string();
+  model->gateway.state_dir = (directory.path() / "state").string();
   const Log log(options.verbose);
   boost::asio::io_context loop(1);
   DemoBuses buses(loop.get_executor(), *model);

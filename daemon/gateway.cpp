@@ -7,6 +7,7 @@
 
 #include "bridges/mqtt/publisher.h"
 #include "daemon/control/plant_service.h"
+#include "daemon/journal_place.h"
 
 namespace gateway {
 namespace {
@@ -39,11 +40,26 @@ void log_notice(mqtt::Level level, const std::string& text) {
   }
 }
 
+std::unique_ptr<journal::Journal> make_journal(const boost::asio::any_io_executor& executor,
+                                               const config::Gateway& gateway) {
+  if (gateway.state_dir.empty()) {
+    return nullptr;
+  }
+  return std::make_unique<journal::Journal>(executor, journal_place(gateway),
+                                            [](const std::string& text) { spdlog::warn("journal: {}", text); });
+}
+
 }  // namespace
 
 Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link,
                  const std::string& control_group)
-    : buses_(make_buses(executor, model, make_link)), plant_(executor, model, ports(buses_)), event_log_(plant_) {
+    : journal_(make_journal(executor, model.gateway)),
+      buses_(make_buses(executor, model, make_link)),
+      plant_(executor, model, ports(buses_)),
+      event_log_(plant_) {
+  for (std::size_t i = 0; journal_ && i < plant_.size(); ++i) {
+    plant_.drive(i).set_journal(journal_.get());
+  }
   plant_.add(event_log_);
   if (model.modbus) {
     modbus_ = std::make_unique<modbus::Server>(executor, plant_, *model.modbus);
@@ -90,6 +106,9 @@ std::vector<process::Plant::BusPort> Gateway::ports(const std::vector<BusInUse>&
 }
 
 void Gateway::start() {
+  if (journal_) {
+    journal_->start();
+  }
   if (modbus_) {
     modbus_->start();
   }
@@ -127,6 +146,9 @@ boost::asio::awaitable<void> Gateway::stop() {
   }
   for (BusInUse& in_use : buses_) {
     co_await in_use.bus->stop();
+  }
+  if (journal_) {
+    co_await journal_->stop();
   }
 }
 

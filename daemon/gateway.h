@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/journal/journal.h"
 #include "bridges/modbus/server.h"
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
@@ -50,6 +51,7 @@ class Gateway {
                                           const LinkFactory& make_link);
   static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
 
+  std::unique_ptr<journal::Journal> journal_;  ///< None where there is no state directory.
   std::vector<BusInUse> buses_;
   process::Plant plant_;
   EventLog event_log_;

@@ -146,6 +146,9 @@ void describe(CLI::App& app, CommandLine& line) {
       ->check(CLI::Validator(check_event_timer, "DURATION"));
   app.add_subcommand("demo", "Simulated drives of the four systems and the gateway, without CAN hardware");
   describe_asking(app, line);
+  CLI::App* const journal = app.add_subcommand("journal", "The journal of commands");
+  journal->require_subcommand(1);
+  journal->add_subcommand("verify", "Whether it is whole and unchanged");
 }
 
 int carry_out(const CLI::App& app, const CommandLine& line) {
@@ -157,6 +160,9 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
   }
   if (app.got_subcommand("map")) {
     return gateway::show_map(line.options, line.map_format);
+  }
+  if (app.got_subcommand("journal")) {
+    return gateway::verify_journal(line.options);
   }
   if (app.got_subcommand("demo")) {
     return gateway::demo(line.options);

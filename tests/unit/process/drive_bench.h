@@ -73,9 +73,7 @@ class DriveBench : public testing::Test {
   void bring_online();
 
   [[nodiscard]] SignalId signal(std::string_view name) const { return test::id(model_, name); }
-  [[nodiscard]] FieldWrite field(std::string_view name, GivenValue value) const {
-    return {signal(name), value};
-  }
+  [[nodiscard]] FieldWrite field(std::string_view name, GivenValue value) const { return {signal(name), value}; }
   static Origin origin(Writer::Way way = Writer::Way::modbus) {
     return {.writer = {.way = way, .address = way == Writer::Way::modbus ? "192.0.2.7" : ""}};
   }
