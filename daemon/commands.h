@@ -20,6 +20,9 @@ namespace gateway {
 /// `map`: every signal with its object, Modbus address and topics, in one of the formats of map.h.
 [[nodiscard]] int show_map(const Options& options, const std::string& format);
 
+/// `journal verify`: whether the journal of commands is whole and unchanged.
+[[nodiscard]] int verify_journal(const Options& options);
+
 /// One simulated drive on the command line: `PROFILE:NODE`.
 struct SimulatedDrive {
   std::string kind;

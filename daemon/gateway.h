@@ -5,14 +5,17 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "bridges/journal/journal.h"
 #include "bridges/modbus/server.h"
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/link.h"
 #include "config/model.h"
+#include "daemon/control/server.h"
 #include "daemon/event_log.h"
 
 namespace gateway {
@@ -22,7 +25,9 @@ class Gateway {
  public:
   using LinkFactory = std::function<std::unique_ptr<canopen::Link>(const config::Bus&)>;
 
-  Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link);
+  /// `control_group`: of the control socket, see control::Place.
+  Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link,
+          const std::string& control_group = "canopen-gateway");
   ~Gateway();
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
@@ -46,11 +51,13 @@ class Gateway {
                                           const LinkFactory& make_link);
   static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
 
+  std::unique_ptr<journal::Journal> journal_;  ///< None where there is no state directory.
   std::vector<BusInUse> buses_;
   process::Plant plant_;
   EventLog event_log_;
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
+  std::unique_ptr<control::Server> control_;
 };
 
 }  // namespace gateway

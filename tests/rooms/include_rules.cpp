@@ -42,6 +42,10 @@ constexpr std::array<std::string_view, 15> kProcess{"config/model.h",
                                                     "canopen/hex.h"};
 constexpr std::array<std::string_view, 5> kBridge{"bridges/process/", "config/model.h", "canopen/clock.h",
                                                   "canopen/error.h", "canopen/object.h"};
+// What is commanded, as `bridges/process` hands it over, and how it waits.
+constexpr std::array<std::string_view, 9> kJournal{"bridges/process/", "config/model.h",   "canopen/clock.h",
+                                                   "canopen/error.h",  "canopen/event.h",  "canopen/hex.h",
+                                                   "canopen/nmt.h",    "canopen/object.h", "canopen/wake_up.h"};
 // Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
 constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/clock.h",
@@ -50,14 +54,15 @@ constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/bus/virtual_link.h",
                                                      "canopen/bus/socketcan/socketcan_link.h"};
 // The only one that knows the loader.
-constexpr std::array<std::string_view, 6> kDaemon{"canopen/",        "config/",       "bridges/process/",
-                                                  "bridges/modbus/", "bridges/mqtt/", "simulator/"};
+constexpr std::array<std::string_view, 7> kDaemon{
+    "canopen/", "config/", "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/", "simulator/"};
 
-constexpr std::array<Room, 7> kRooms{{{"canopen/", {}},
+constexpr std::array<Room, 8> kRooms{{{"canopen/", {}},
                                       {"config/", kConfig},
                                       {"bridges/process/", kProcess},
                                       {"bridges/modbus/", kBridge},
                                       {"bridges/mqtt/", kBridge},
+                                      {"bridges/journal/", kJournal},
                                       {"simulator/", kSimulator},
                                       {"daemon/", kDaemon}}};
 

@@ -44,6 +44,7 @@ name = "pump1"
 node = 5
 profile = "cia402-velocity"
 END
+sed -i "1i [gateway]\nstate_dir = \"$work/state\"" good.toml
 sed 's/^node = 5/node = 300/' good.toml >wrong.toml
 sed '$a[drive.commands]\nwriters = ["mqtt"]' good.toml >doubtful.toml
 errors=$("${gateway[@]}" check --config wrong.toml | grep -c ': error: ')

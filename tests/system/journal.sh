@@ -1,0 +1,79 @@
+#!/bin/bash
+# journal.sh [ROUNDS [SEED]]: the gateway is killed at random moments while commands come over MQTT and Modbus. Each time its
+# journal verifies and it goes on; and of every start of a motor on the bus the journal has a line from before.
+# Run inside tests/vcan/run.
+. "$(dirname "$0")/lib.sh"
+rounds=${1:-20}
+seed=${2:-$RANDOM}
+RANDOM=$seed
+say "$rounds rounds, seed $seed"
+sed "/^\[gateway\]/a state_dir = \"$work/state\"" "$root/tests/system/gateway.toml" >"$work/gateway.toml"
+journal=$work/state/journal
+
+verify() { "$gateway_bin" journal verify --config "$work/gateway.toml" --profile-dir "$root/config/profiles" "$@"; }
+
+# Runs and stops in turn, each with a frequency of its own by which its frame is known. The word is the drive's run or stop.
+set_points() {
+  local raw=0
+  while :; do
+    raw=$((raw % 4998 + 1))
+    printf '{"frequency_command":%d.%02d,"torque_command":0.0,"control_command":%d}\n' \
+      $((raw / 100)) $((raw % 100)) $((raw % 2 ? 1 : 5))
+    sleep 0.03
+  done
+}
+run_and_stop() {
+  local word=1
+  while :; do
+    write_registers 7 100 "$word" >/dev/null
+    word=$((word == 1 ? 5 : 1))
+    sleep 0.05
+  done
+}
+
+start_broker
+start_trace
+start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_gateway
+wait_until 10 "all four drives online" register_is 0 2 4
+expect "hoist1: its frequency" written "$(write_registers 7 101 3000)"
+mkfifo "$work/set_points"
+set_points >"$work/set_points" &
+started[set_points]=$!
+mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topics/pump1/set" -l <"$work/set_points" &
+started[publish]=$!
+run_and_stop &
+started[run_and_stop]=$!
+
+lines=0
+for round in $(seq "$rounds"); do
+  [ "$round" = 1 ] || start_gateway
+  wait_until 10 "the drives are back" register_is 0 2 4
+  sleep "$((RANDOM % 10))e-1"
+  sleep "$((RANDOM % 100))e-3"
+  kill -9 "${started[gateway]}"
+  wait "${started[gateway]}" 2>/dev/null
+  verify >"$work/verify.out" 2>"$work/verify.err"
+  expect "round $round: the journal is whole, $(cat "$work/verify.out" "$work/verify.err"): exit code" 0 $?
+  now=$(sed -n 's/^ok: \([0-9]*\) lines.*/\1/p' "$work/verify.out")
+  expect_at_most "round $round: it grew from $lines lines to" 1000000 "$((now - lines))"
+  lines=$now
+done
+kill "${started[run_and_stop]}" "${started[set_points]}"
+catch_up
+
+# frequencies of the frames in which pump1 was started: RPDO1 is word, frequency, torque, low byte first
+sed -n 's/.* 205#0100\(..\)\(..\)0000.*/\2\1/p' "$work/candump.out" | while read -r raw; do echo $((16#$raw)); done |
+  sort -u >"$work/started"
+jq -r 'select(.phase == "begun" and .drive == "pump1") | [.fields[] | {(.signal): .asked}] | add |
+  select(.control_command == 1) | .frequency_command * 100 | round' "$journal"/*.jsonl | sort -u >"$work/begun"
+expect_at_most "starts of pump1 on the bus" 1000000 "$(wc -l <"$work/started")"
+expect "starts of pump1 without their line" "" "$(comm -23 "$work/started" "$work/begun" | tr '\n' ' ')"
+say "$(wc -l <"$work/started") starts of pump1 on the bus, $(wc -l <"$work/begun") begun in the journal"
+
+# of hoist1 by its own object or by RPDO; a command has one frame
+hoist_frames=$(grep -Ec ' 207#0100| 607#2B0121000100' "$work/candump.out")
+hoist_begun=$(jq -r 'select(.phase == "begun" and .drive == "hoist1") | .fields[] |
+  select(.signal == "control_command" and .asked == 1) | 1' "$journal"/*.jsonl | wc -l)
+expect_at_most "starts of hoist1 on the bus, of $hoist_begun in the journal" "$hoist_begun" "$hoist_frames"
+say "$lines lines of $rounds rounds"
