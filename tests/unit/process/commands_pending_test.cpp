@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "tests/unit/process/commands_fixture.h"
 
@@ -68,6 +69,21 @@ TEST_F(CommandsTest, RebootFailsWhatIsPendingAndWhatWaits) {
   EXPECT_TRUE(first.get().has_error());
   EXPECT_TRUE(second.get().has_error());
   EXPECT_EQ(std::ranges::count(sdo_writes(), test::kFrequency), 1);
+}
+
+TEST_F(CommandsTest, AStopBetweenTwoStepsOfARunCommandSupersedesTheSecond) {
+  bring_online();
+  slave_.delay_answers(50ms);
+  const auto started = write({field("control_command", Raw{1}), field("frequency_command", 10.0)});
+  run(20ms);
+  const auto stopped = write({field("control_command", Raw{5})});
+  EXPECT_TRUE(finish(stopped, 300ms).has_value());
+  ASSERT_TRUE(started.done());
+  expect_refused(started.get(), ErrorKind::superseded);
+  EXPECT_NE(started.get().error().detail.find("frequency_command"), std::string::npos) << started.get().error().detail;
+  run(1s);
+  EXPECT_EQ(sdo_writes(), (Objects{test::kFrequency, test::kControl}));
+  EXPECT_EQ(slave_.value(test::kControl), 5U);
 }
 
 TEST_F(CommandsTest, TheEndAnswersPendingCommandsOffline) {
