@@ -153,6 +153,25 @@ TEST_F(CommandsControlTest, ADriveThatWasLostAndComesBackGetsNoValues) {
   EXPECT_TRUE(timed_out());
 }
 
+TEST_F(CommandsControlTest, ADriveThatIsTakenOverAsItRunsNeedsASignOfLifeOfAnyWriter) {
+  set_timeout(config::OnTimeout::values);
+  slave_.set_state(5);
+  status_word_ = test::kRunningBit;
+  start();
+  ASSERT_TRUE(loop_.advance_until([this] { return drive_->status().online; }, 5s));
+  slave_.forget_heard();
+  for (int i = 0; i < 3; ++i) {
+    run(1500ms);
+    drive_->sign_of_life(origin(i % 2 == 0 ? Writer::Way::modbus : Writer::Way::mqtt).writer);
+  }
+  EXPECT_FALSE(timed_out());
+  EXPECT_TRUE(sdo_writes().empty());
+  run(2100ms);
+  EXPECT_TRUE(timed_out());
+  EXPECT_EQ(sdo_writes(), Objects{test::kControl});
+  EXPECT_EQ(slave_.value(test::kControl), 5U);
+}
+
 TEST_F(CommandsControlTest, ALeaseKeepsOthersAwayButNoStop) {
   model_.commands.lease = 10s;
   bring_online();

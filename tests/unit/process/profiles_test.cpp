@@ -175,8 +175,9 @@ INSTANTIATE_TEST_SUITE_P(Shipped, ProfileTest,
 class Ac300Test : public ProfileTest {
  protected:
   Outcome write(std::vector<FieldWrite> fields) {
-    const auto written =
-        support::spawn(loop_.executor(), drive_->write({Writer::Way::modbus, "192.0.2.7"}, std::move(fields)));
+    const auto written = support::spawn(
+        loop_.executor(),
+        drive_->write({.writer = {.way = Writer::Way::modbus, .address = "192.0.2.7"}}, std::move(fields)));
     loop_.advance(50ms);
     EXPECT_TRUE(written.done());
     return written.done() ? written.get() : Outcome(canopen::Error{});
