@@ -16,6 +16,7 @@
 #include "daemon/output.h"
 #include "daemon/simulated_site.h"
 #include "daemon/stop_signal.h"
+#include "daemon/temporary_directory.h"
 
 namespace gateway {
 namespace {
@@ -66,7 +67,10 @@ int demo(const Options& options) {
   if (!model) {
     return kConfigurationError;
   }
-  model->gateway.state_dir.clear();  // What a demo is told concerns no plant.
+  // The demo leaves no trace, and does not get in the way of the gateway that this machine may run.
+  const TemporaryDirectory directory;
+  model->gateway.control = (directory.path() / "control").string();
+  model->gateway.state_dir = (directory.path() / "state").string();
   const Log log(options.verbose);
   boost::asio::io_context loop(1);
   DemoBuses buses(loop.get_executor(), *model);
@@ -80,7 +84,7 @@ int demo(const Options& options) {
     complain(reason.what());
     return kConfigurationError;
   }
-  Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) { return buses.connect(bus); });
+  Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) { return buses.connect(bus); }, "");
   gateway.start();
   site.start();
   DemoScreen screen(loop.get_executor(), gateway.plant(), show, isatty(STDOUT_FILENO) == 1);

@@ -117,6 +117,22 @@ void add_modbus_lines(std::string& text, const config::Model& model, const confi
   }
 }
 
+// The same by the program itself, through the control socket.
+std::string control_lines(const config::Model& model) {
+  const std::string& socket = model.gateway.control;
+  std::string text = fmt::format("\nHow everything is:\n  canopen-gateway status --control {}\n", socket);
+  for (const config::Drive& drive : model.drives) {
+    const ControlWords* const words = control_words(drive);
+    if (words != nullptr && !words->staged && drive.commands.writers.local) {
+      return text +
+             fmt::format("  canopen-gateway set {} {}={:.1f} control_command={} --control {}   # run\n", drive.name,
+                         words->setpoint, words->example, words->run, socket) +
+             fmt::format("  canopen-gateway stop --control {}   # all of them\n", socket);
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, Output out,
@@ -150,6 +166,7 @@ std::string demo_guide(const config::Model& model) {
   text +=
       fmt::format("Here, `{0} fault 4` trips node {0}, and `help` lists what else can be done. In another terminal:\n",
                   model.drives.front().node.node);
+  text += control_lines(model);
   if (model.mqtt) {
     text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
                         model.mqtt->brokers.front().host, model.mqtt->brokers.front().port, model.mqtt->base,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bridges/mqtt/publisher.h"
+#include "daemon/control/plant_service.h"
 #include "daemon/journal_place.h"
 
 namespace gateway {
@@ -20,6 +21,9 @@ canopen::BusSettings settings_of(const config::Bus& bus) {
   settings.sdo_load = bus.sdo_load;
   return settings;
 }
+
+// For clients of the control socket that do not read their answers at the end.
+constexpr canopen::Duration kControlPatience = std::chrono::milliseconds(200);
 
 // Notices say themselves that they are about MQTT.
 void log_notice(mqtt::Level level, const std::string& text) {
@@ -47,7 +51,8 @@ std::unique_ptr<journal::Journal> make_journal(const boost::asio::any_io_executo
 
 }  // namespace
 
-Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link)
+Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link,
+                 const std::string& control_group)
     : journal_(make_journal(executor, model.gateway)),
       buses_(make_buses(executor, model, make_link)),
       plant_(executor, model, ports(buses_)),
@@ -68,6 +73,12 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     if (modbus_) {
       mqtt_->on_connected_change([this](bool connected) { modbus_->set_mqtt_connected(connected); });
     }
+  }
+  if (!model.gateway.control.empty()) {
+    control_ = std::make_unique<control::Server>(
+        executor, control::Place{model.gateway.control, control_group}, control::plant_service(plant_),
+        control::Server::Notices{.warning = [](const std::string& text) { spdlog::warn(text); },
+                                 .info = [](const std::string& text) { spdlog::info(text); }});
   }
   for (std::size_t i = 0; i < buses_.size(); ++i) {
     buses_[i].state =
@@ -104,23 +115,32 @@ void Gateway::start() {
   if (mqtt_) {
     mqtt_->start();
   }
+  if (control_) {
+    control_->start();
+  }
   plant_.start();
   for (BusInUse& in_use : buses_) {
     in_use.bus->start();
   }
 }
 
-// No command begins any more; those that have begun still get their answer on MQTT. Modbus clients are gone at once,
-// and what they began ends with the plant.
+// No command begins any more; those that have begun still get their answer on MQTT and the control socket. Modbus
+// clients are gone at once, and what they began ends with the plant.
 boost::asio::awaitable<void> Gateway::stop() {
   if (modbus_) {
     modbus_->close();
+  }
+  if (control_) {
+    control_->close();
   }
   plant_.close();
   if (mqtt_) {
     co_await mqtt_->stop();
   }
   co_await plant_.stop();
+  if (control_) {
+    co_await control_->stop(kControlPatience);
+  }
   if (modbus_) {
     co_await modbus_->stop();
   }

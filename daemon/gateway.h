@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "bridges/journal/journal.h"
@@ -14,6 +15,7 @@
 #include "canopen/bus/bus.h"
 #include "canopen/bus/link.h"
 #include "config/model.h"
+#include "daemon/control/server.h"
 #include "daemon/event_log.h"
 
 namespace gateway {
@@ -23,7 +25,9 @@ class Gateway {
  public:
   using LinkFactory = std::function<std::unique_ptr<canopen::Link>(const config::Bus&)>;
 
-  Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link);
+  /// `control_group`: of the control socket, see control::Place.
+  Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link,
+          const std::string& control_group = "canopen-gateway");
   ~Gateway();
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
@@ -53,6 +57,7 @@ class Gateway {
   EventLog event_log_;
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
+  std::unique_ptr<control::Server> control_;
 };
 
 }  // namespace gateway

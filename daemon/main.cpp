@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -12,6 +13,7 @@
 #include "canopen/clock.h"
 #include "config/text.h"
 #include "daemon/commands.h"
+#include "daemon/control/ask.h"
 #include "daemon/descriptors.h"
 #include "daemon/output.h"
 
@@ -55,7 +57,66 @@ struct CommandLine {
   std::string interface;
   std::vector<std::string> drives;
   std::string tpdo;
+  std::filesystem::path control;
+  std::string drive;
+  std::vector<std::string> assignments;
+  std::string nmt_command;
+  gateway::control::SdoOrder sdo;
+  bool as_json = false;
 };
+
+// What goes through the running daemon.
+CLI::App* add_asking(CLI::App& app, CommandLine& line, const std::string& name, const std::string& text) {
+  CLI::App* const command = app.add_subcommand(name, text);
+  command->add_option("--control", line.control, "The control socket of the daemon; else as the configuration says");
+  return command;
+}
+
+void describe_sdo(CLI::App& sdo, CommandLine& line, const std::string& name, const std::string& text,
+                  const std::string& words) {
+  CLI::App* const way = sdo.add_subcommand(name, text);
+  way->add_option("DRIVE", line.sdo.drive, "Its name")->required();
+  way->add_option("OBJECT", line.sdo.object, "INDEX:SUB, as 0x2002:03")->required();
+  way->add_option(words, line.sdo.words, "A type as u16 may be left out where a signal has the object");
+}
+
+void describe_asking(CLI::App& app, CommandLine& line) {
+  CLI::App* const status = add_asking(app, line, "status", "How the running gateway and its drives are");
+  status->add_flag("--json", line.as_json, "As JSON");
+  CLI::App* const set = add_asking(app, line, "set", "Write signals of a drive");
+  set->add_option("DRIVE", line.drive, "Its name")->required();
+  set->add_option("SIGNAL=VALUE", line.assignments, "In engineering units; several are written together")->required();
+  add_asking(app, line, "stop", "Stop every drive that takes commands of the command line");
+  CLI::App* const nmt = add_asking(app, line, "nmt", "Command the state of a drive's node");
+  nmt->add_option("DRIVE", line.drive, "Its name")->required();
+  nmt->add_option("COMMAND", line.nmt_command, "start, stop, pre-operational, reset-node or reset-communication")
+      ->required();
+  CLI::App* const sdo = add_asking(app, line, "sdo", "Read or write an object of a drive");
+  sdo->require_subcommand(1);
+  sdo->fallthrough();
+  describe_sdo(*sdo, line, "read", "Read an object, raw as the drive holds it", "TYPE");
+  describe_sdo(*sdo, line, "write", "Write an object, raw as the drive holds it", "TYPE VALUE");
+}
+
+int carry_out_asking(const CLI::App& app, CommandLine line) {
+  const gateway::control::Reach reach{line.options, line.control};
+  if (app.got_subcommand("set")) {
+    return gateway::control::set(reach, line.drive, line.assignments);
+  }
+  if (app.got_subcommand("nmt")) {
+    return gateway::control::nmt(reach, line.drive, line.nmt_command);
+  }
+  if (app.got_subcommand("status")) {
+    return gateway::control::status(reach, line.as_json);
+  }
+  if (app.got_subcommand("stop")) {
+    return gateway::control::stop(reach);
+  }
+  if (app.get_subcommand("sdo")->got_subcommand("write")) {
+    line.sdo.way = gateway::control::SdoOrder::Way::write;
+  }
+  return gateway::control::sdo(reach, line.sdo);
+}
 
 // Exits as the commands do; the value of the option tells whether --config was given.
 void describe(CLI::App& app, CommandLine& line) {
@@ -84,6 +145,7 @@ void describe(CLI::App& app, CommandLine& line) {
   simulate->add_option("--tpdo", line.tpdo, "Event timer of the drives' TPDOs at power-up")
       ->check(CLI::Validator(check_event_timer, "DURATION"));
   app.add_subcommand("demo", "Simulated drives of the four systems and the gateway, without CAN hardware");
+  describe_asking(app, line);
   CLI::App* const journal = app.add_subcommand("journal", "The journal of commands");
   journal->require_subcommand(1);
   journal->add_subcommand("verify", "Whether it is whole and unchanged");
@@ -104,6 +166,9 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
   }
   if (app.got_subcommand("demo")) {
     return gateway::demo(line.options);
+  }
+  if (!app.got_subcommand("simulate")) {
+    return carry_out_asking(app, line);
   }
   gateway::Simulation simulation{line.interface, {}, parse_event_timer(line.tpdo)};
   for (const std::string& text : line.drives) {

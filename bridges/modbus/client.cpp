@@ -17,7 +17,7 @@ using boost::asio::ip::tcp;
 
 Client::Client(tcp::socket socket, std::string address, bool may_write, Units& units, Replier& replier)
     : socket_(std::move(socket)),
-      address_(std::move(address)),
+      writer_{.way = process::Writer::Way::modbus, .address = std::move(address)},
       may_write_(may_write),
       units_(units),
       replier_(replier),
@@ -83,6 +83,9 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
   }
   answer_.request = std::get<Request>(parsed);
   answer_.exception.reset();
+  if (may_write_) {
+    units_.sign_of_life(unit, writer_);
+  }
   if (answer_.request.writes() && !may_write_) {
     answer_.exception = Exception::illegal_function;
     return false;
@@ -96,7 +99,7 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
 
 awaitable<void> Client::carry_out(std::uint8_t unit) {
   commanding_ = true;
-  process::Origin origin{.writer = {.way = process::Writer::Way::modbus, .address = address_}};
+  process::Origin origin{.writer = writer_};
   answer_.exception = co_await units_.write(unit, answer_.request, std::move(origin));
   commanding_ = false;
   active_ = canopen::Clock::now();

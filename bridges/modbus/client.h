@@ -15,6 +15,7 @@
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/snapshot.h"
 #include "bridges/modbus/units.h"
+#include "bridges/process/writer.h"
 #include "canopen/clock.h"
 
 namespace modbus {
@@ -46,7 +47,7 @@ class Client {
   [[nodiscard]] Sent send_answer(std::span<const std::uint8_t> frame);
 
   boost::asio::ip::tcp::socket socket_;
-  std::string address_;
+  process::Writer writer_;
   bool may_write_;
   Units& units_;
   Replier& replier_;

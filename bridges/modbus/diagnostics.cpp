@@ -33,12 +33,15 @@ std::optional<canopen::TimePoint> oldest_value(const process::Image& image) {
 
 std::uint16_t state_bits(const process::Drive& drive, canopen::TimePoint now) {
   const canopen::NodeStatus& status = drive.status();
+  const process::ControlState control = drive.control();
   const std::array bits{status.online,
                         status.nmt == canopen::NmtState::operational,
                         drive.has_fault_alarm(),
                         drive.has_warning_alarm(),
                         drive.image().all_fresh(now),
-                        status.configured};
+                        status.configured,
+                        control.timeout,
+                        control.holder.has_value()};
   std::uint16_t word = 0;
   for (std::size_t i = 0; i < bits.size(); ++i) {
     word = static_cast<std::uint16_t>(word | (bits[i] ? 1U << i : 0U));
@@ -67,8 +70,9 @@ Diagnostics diagnostics_of(const process::Drive& drive, config::WordOrder order,
   block[9] = age_ms(oldest_value(drive.image()), now);
   block[10] = status.boot_ups;
   block[11] = status.emergencies;
-  put_words(status.last_abort, order, std::span(block).subspan<12, 2>());
+  put_words(drive.last_refused_abort(), order, std::span(block).subspan<12, 2>());
   block[14] = status.heartbeat_losses;
+  block[17] = static_cast<std::uint16_t>(std::min<std::size_t>(drive.last_written(), 0xFFFF));
   return block;
 }
 

@@ -46,6 +46,14 @@ void DriveUnit::on_values(std::span<const process::SignalId> signals) {
   }
 }
 
+void DriveUnit::sign_of_life(const process::Writer& writer) {
+  const config::Commands& commands = table_.drive().commands;
+  // Where nobody waits for one there is nothing to do for each request.
+  if (commands.writers.modbus && commands.timeout != canopen::Duration::zero()) {
+    drive().sign_of_life(writer);
+  }
+}
+
 bool DriveUnit::stale(process::SignalId signal, canopen::TimePoint now) const {
   return signal != kNoSignal && measured_[signal] && !drive().image().fresh(signal, now);
 }
@@ -112,7 +120,10 @@ Diagnostics DriveUnit::diagnostics(Range range, canopen::TimePoint now) const {
   }
   for (std::uint16_t address = 0; address < kCommonAddresses; ++address) {
     const process::SignalId owner = table_.register_owner(address);
-    if (owner != kNoSignal && measured_[owner] && !stale(owner, now)) {
+    if (owner == kNoSignal) {
+      continue;
+    }
+    if (measured_[owner] ? !stale(owner, now) : drive().commanded().counts(owner)) {
       std::uint16_t& word = block[kFreshBitsBegin - kDiagnosticsBegin + address / 16U];
       word = static_cast<std::uint16_t>(word | 1U << (address % 16U));
     }

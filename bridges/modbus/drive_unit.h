@@ -23,6 +23,7 @@ class DriveUnit {
   DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order);
 
   void on_values(std::span<const process::SignalId> signals);
+  void sign_of_life(const process::Writer& writer);
 
   /// `out` holds range.quantity.
   [[nodiscard]] std::optional<Exception> read_registers(Range range, canopen::TimePoint now,

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
+#include <vector>
 
 #include "bridges/modbus/diagnostics.h"
 #include "bridges/modbus/process_table.h"
 #include "bridges/modbus/words.h"
+#include "bridges/process/stop_all.h"
 
 namespace modbus {
 namespace {
@@ -15,7 +18,7 @@ constexpr std::size_t kNodeBitsBegin = 10;
 
 }  // namespace
 
-GatewayUnit::GatewayUnit(const process::Plant& plant, config::WordOrder order)
+GatewayUnit::GatewayUnit(process::Plant& plant, config::WordOrder order)
     : plant_(plant), order_(order), started_(canopen::Clock::now()) {}
 
 std::optional<Exception> GatewayUnit::read_registers(Range range, canopen::TimePoint now,
@@ -48,6 +51,19 @@ std::optional<Exception> GatewayUnit::read_bits(Range range, std::span<std::uint
   }
   std::ranges::fill(out.first(range.quantity), std::uint8_t{0});
   return std::nullopt;
+}
+
+boost::asio::awaitable<std::optional<Exception>> GatewayUnit::write(Request request, process::Origin origin) {
+  const bool written =
+      request.function == Function::write_single_register || request.function == Function::write_multiple_registers;
+  if (!written || request.write != Range{.address = kStopRegister, .quantity = 1}) {
+    co_return Exception::illegal_address;
+  }
+  if (request.values[0] == 0 && request.values[1] == 0) {
+    co_return Exception::illegal_value;
+  }
+  const std::vector<process::NotStopped> missed = co_await process::stop_all(plant_, std::move(origin));
+  co_return missed.empty() ? std::nullopt : std::optional(Exception::no_response);
 }
 
 std::uint16_t GatewayUnit::general(std::uint16_t address, canopen::TimePoint now) const {

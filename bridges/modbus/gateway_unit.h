@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <boost/asio/awaitable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,12 +16,14 @@ namespace modbus {
 
 inline constexpr std::uint16_t kBusBlockBegin = 100;
 inline constexpr std::uint16_t kBusBlockSize = 20;
+/// Any value but 0 written there by function 6 or 16 is a stop for all.
+inline constexpr std::uint16_t kStopRegister = 20;
 
-/// The gateway itself, units 0 and 255: read-only, filled in when asked for.
+/// The gateway itself, units 0 and 255: filled in when asked for, and read-only but for kStopRegister.
 class GatewayUnit {
  public:
   /// `plant` outlives the unit.
-  GatewayUnit(const process::Plant& plant, config::WordOrder order);
+  GatewayUnit(process::Plant& plant, config::WordOrder order);
 
   void set_mqtt_connected(bool connected) noexcept { mqtt_connected_ = connected; }
   void set_clients(std::size_t clients) noexcept { clients_ = clients; }
@@ -30,13 +33,16 @@ class GatewayUnit {
                                                         std::span<std::uint16_t> out) const;
   [[nodiscard]] std::optional<Exception> read_bits(Range range, std::span<std::uint8_t> out) const;
 
+  /// Nothing: every drive of this writer confirmed its stop. What request.values points to outlives the call.
+  [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
+
  private:
   using BusBlock = std::array<std::uint16_t, kBusBlockSize>;
 
   [[nodiscard]] std::uint16_t general(std::uint16_t address, canopen::TimePoint now) const;
   [[nodiscard]] BusBlock bus_block(std::size_t bus) const;
 
-  const process::Plant& plant_;
+  process::Plant& plant_;
   config::WordOrder order_;
   canopen::TimePoint started_;
   bool mqtt_connected_ = false;

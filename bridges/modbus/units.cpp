@@ -28,10 +28,17 @@ std::optional<Exception> Units::read(std::uint8_t unit, const Request& request, 
                            : drive.read_registers(request.read, now, into.registers);
 }
 
+void Units::sign_of_life(std::uint8_t unit, const process::Writer& writer) {
+  if (!is_gateway(unit)) {
+    by_id_[unit]->sign_of_life(writer);
+  }
+}
+
 boost::asio::awaitable<std::optional<Exception>> Units::write(std::uint8_t unit, Request request,
                                                               process::Origin origin) {
   if (is_gateway(unit)) {
-    co_return Exception::illegal_address;
+    const std::optional<Exception> refused = co_await gateway_.write(request, std::move(origin));
+    co_return refused;
   }
   const std::optional<Exception> refused = co_await by_id_[unit]->write(request, std::move(origin));
   co_return refused;

@@ -27,6 +27,8 @@ class Units {
   /// Reads request.read. The unit exists.
   [[nodiscard]] std::optional<Exception> read(std::uint8_t unit, const Request& request, canopen::TimePoint now,
                                               Snapshot& into) const;
+  /// A client of `write_from` asked this unit for something, whatever it was. The unit exists.
+  void sign_of_life(std::uint8_t unit, const process::Writer& writer);
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
                                                                        process::Origin origin);

@@ -16,12 +16,25 @@ const config::Signal* writable_signal(const ProcessTable& table, process::Signal
   return config::writable(signal.access) ? &signal : nullptr;
 }
 
+// Where the drives of a plant differ, 100..103 can still be written in one request.
+constexpr std::uint16_t kControlRegister = 100;
+constexpr std::uint16_t kLastBesideIt = 103;
+
+bool takes_ignored_zero(const ProcessTable& table, Range range, std::uint16_t address) {
+  return address > kControlRegister && address <= kLastBesideIt && range.address <= kControlRegister &&
+         table.register_owner(address) == kNoSignal;
+}
+
 }  // namespace
 
 WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes) {
   std::vector<process::FieldWrite> fields;
   for (std::size_t done = 0; done < range.quantity;) {
     const auto address = static_cast<std::uint16_t>(range.address + done);
+    if (takes_ignored_zero(table, range, address) && bytes[2 * done] == 0 && bytes[2 * done + 1] == 0) {
+      ++done;
+      continue;
+    }
     const process::SignalId owner = is_diagnostic(address) ? kNoSignal : table.register_owner(address);
     const config::Signal* const signal = writable_signal(table, owner);
     if (signal == nullptr || signal->modbus.address != address || done + signal->modbus.count > range.quantity) {

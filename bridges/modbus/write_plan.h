@@ -16,7 +16,8 @@ namespace modbus {
 /// wide value must be written whole. Limits, permission and the drive's state are the arbiter's business.
 using WritePlan = std::variant<std::vector<process::FieldWrite>, Exception>;
 
-/// `bytes`: two per register, high byte first.
+/// `bytes`: two per register, high byte first. In a request that also writes 100, those of 101..103 that the drive
+/// lacks take a 0, which is ignored; any other value of them refuses the request.
 [[nodiscard]] WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes);
 /// `bytes`: eight bits each, lowest first.
 [[nodiscard]] WritePlan plan_bits(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes);

@@ -89,6 +89,12 @@ void Bridge::on_commanded(const process::Drive&, std::span<const process::Signal
   // What was commanded is on no topic; its effect comes back as values.
 }
 
+void Bridge::on_control(const process::Drive& drive) {
+  if (session_.ready()) {
+    wake(feeds_[drive.index()].mark_control(canopen::Clock::now()));
+  }
+}
+
 void Bridge::on_status(const process::Drive& drive) {
   if (session_.ready()) {
     wake(feeds_[drive.index()].mark_status(canopen::Clock::now()));

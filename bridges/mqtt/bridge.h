@@ -47,6 +47,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
+  void on_control(const process::Drive& drive) override;
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;

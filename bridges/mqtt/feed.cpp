@@ -62,6 +62,11 @@ canopen::TimePoint Feed::mark_alarm(process::AlarmKind kind, canopen::TimePoint 
   return now;
 }
 
+canopen::TimePoint Feed::mark_control(canopen::TimePoint now) {
+  control_due_ = true;
+  return now;
+}
+
 void Feed::mark_all() {
   online_.reset();
   nmt_.reset();
@@ -78,7 +83,7 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
   }
   if (control_due_) {
     control_due_ = false;
-    out.push_back({.topic = topics_.control, .payload = control_json()});
+    out.push_back({.topic = topics_.control, .payload = control_json(drive_.control())});
   }
   const canopen::TimePoint held = collect_alarms(now, out);
   // The state before the single values: its time stamps are those of the values as they were compared.

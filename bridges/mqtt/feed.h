@@ -23,6 +23,7 @@ class Feed {
   canopen::TimePoint mark_values(std::span<const process::SignalId> signals, canopen::TimePoint now);
   canopen::TimePoint mark_status(canopen::TimePoint now);
   canopen::TimePoint mark_alarm(process::AlarmKind kind, canopen::TimePoint now);
+  canopen::TimePoint mark_control(canopen::TimePoint now);
   /// Everything is due: a new connection.
   void mark_all();
 

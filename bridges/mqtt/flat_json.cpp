@@ -17,6 +17,8 @@ constexpr std::size_t kMaxMembers = 1024;
 // What Boost.JSON's parser calls while it reads. Returning false with an error code ends the parse there.
 class FlatHandler {
  public:
+  explicit FlatHandler(std::string_view inner) : inner_(inner) {}
+
   // Boost.JSON wants these names.  NOLINTBEGIN(readability-identifier-naming)
   static constexpr std::size_t max_object_size = kMaxMembers;
   static constexpr std::size_t max_array_size = std::numeric_limits<std::size_t>::max();
@@ -27,10 +29,21 @@ class FlatHandler {
   bool on_document_begin(json::error_code&) { return true; }
   bool on_document_end(json::error_code&) { return true; }
   bool on_object_begin(json::error_code& failure) {
-    inside_ = !inside_;
-    return inside_ || refuse(failure, "an object inside the object");
+    if (open_ == nullptr) {
+      open_ = &read_.members;
+      return true;
+    }
+    if (open_ != &read_.members || inner_.empty() || open_->back().first != inner_) {
+      return refuse(failure, "an object inside the object");
+    }
+    open_->pop_back();
+    open_ = &read_.inner.emplace();
+    return true;
   }
-  bool on_object_end(std::size_t, json::error_code&) { return true; }
+  bool on_object_end(std::size_t, json::error_code&) {
+    open_ = &read_.members;  // of the outer object nothing follows
+    return true;
+  }
   bool on_array_begin(json::error_code& failure) { return refuse(failure, "a list"); }
   bool on_array_end(std::size_t, json::error_code&) { return true; }
 
@@ -38,11 +51,11 @@ class FlatHandler {
   bool on_key(json::string_view part, std::size_t, json::error_code& failure) {
     std::string name = take(part);
     const bool known =
-        std::any_of(members_.begin(), members_.end(), [&name](const auto& member) { return member.first == name; });
-    if (known) {
+        std::any_of(open_->begin(), open_->end(), [&name](const auto& member) { return member.first == name; });
+    if (known || (open_ == &read_.members && read_.inner && name == inner_)) {
       return refuse(failure, "\"" + name + "\" twice");
     }
-    members_.emplace_back(std::move(name), Scalar{});
+    open_->emplace_back(std::move(name), Scalar{});
     return true;
   }
   bool on_string_part(json::string_view part, std::size_t, json::error_code&) { return gather(part); }
@@ -60,7 +73,7 @@ class FlatHandler {
   bool on_comment_part(json::string_view, json::error_code&) { return true; }
   bool on_comment(json::string_view, json::error_code&) { return true; }
 
-  FlatObject& members() noexcept { return members_; }
+  NestedObject& read() noexcept { return read_; }
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
 
  private:
@@ -76,10 +89,10 @@ class FlatHandler {
     return add(Scalar::Kind::number, take(part), failure);
   }
   bool add(Scalar::Kind kind, std::string text, json::error_code& failure) {
-    if (!inside_) {
+    if (open_ == nullptr) {
       return refuse(failure, "a single value");
     }
-    members_.back().second = {kind, std::move(text)};
+    open_->back().second = {kind, std::move(text)};
     return true;
   }
   bool refuse(json::error_code& failure, std::string what) {
@@ -89,21 +102,22 @@ class FlatHandler {
     return false;
   }
 
-  FlatObject members_;
+  std::string inner_;
+  NestedObject read_;
+  FlatObject* open_ = nullptr;  ///< What the next member belongs to; null before the object.
   std::string gathered_;
   std::string refusal_;
-  bool inside_ = false;
 };
 
 }  // namespace
 
-canopen::Result<FlatObject> parse_flat(std::string_view text) {
-  json::basic_parser<FlatHandler> parser{json::parse_options{}};
+canopen::Result<NestedObject> parse_nested(std::string_view text, std::string_view inner) {
+  json::basic_parser<FlatHandler> parser{json::parse_options{}, inner};
   json::error_code failure;
   const std::size_t read = parser.write_some(false, text.data(), text.size(), failure);
   const bool trailing = !failure && text.find_first_not_of(" \t\r\n", read) != std::string_view::npos;
   if (!failure && !trailing) {
-    return std::move(parser.handler().members());
+    return std::move(parser.handler().read());
   }
   const std::string where = " at character " + std::to_string(read + 1);
   if (!parser.handler().refusal().empty()) {
@@ -111,6 +125,14 @@ canopen::Result<FlatObject> parse_flat(std::string_view text) {
   }
   const std::string what = trailing ? "more behind the object" : failure.message();
   return Error{.kind = ErrorKind::type, .detail = "not valid JSON" + where + ": " + what};
+}
+
+canopen::Result<FlatObject> parse_flat(std::string_view text) {
+  canopen::Result<NestedObject> read = parse_nested(text, {});
+  if (read.has_error()) {
+    return read.error();
+  }
+  return std::move(read.value().members);
 }
 
 }  // namespace mqtt

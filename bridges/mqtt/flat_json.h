@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,5 +25,14 @@ using FlatObject = std::vector<std::pair<std::string, Scalar>>;
 /// Reads a JSON object whose members are single values. Refused as `type`, with the position: text that is no JSON,
 /// anything but an object, nested objects and lists, a name given twice.
 [[nodiscard]] canopen::Result<FlatObject> parse_flat(std::string_view text);
+
+/// An object one of whose members may be such an object itself.
+struct NestedObject {
+  FlatObject members;               ///< Without the inner object.
+  std::optional<FlatObject> inner;  ///< Nothing where the member is missing, or no object (then it is in `members`).
+};
+
+/// Reads a JSON object like parse_flat(), but its member called `inner` may be an object of single values.
+[[nodiscard]] canopen::Result<NestedObject> parse_nested(std::string_view text, std::string_view inner);
 
 }  // namespace mqtt

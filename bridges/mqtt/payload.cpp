@@ -98,8 +98,19 @@ std::string signal_text(const process::Drive& drive, process::SignalId signal, S
   return text;
 }
 
-std::string control_json() {
-  return R"({"holder":null,"since":null,"timeout":false})";
+std::string control_json(const process::ControlState& control) {
+  std::string payload;
+  ObjectText object(payload);
+  if (control.holder) {
+    object.text("holder", process::to_string(*control.holder));
+    object.text("since", timestamp(control.since));
+  } else {
+    object.null("holder");
+    object.null("since");
+  }
+  object.boolean("timeout", control.timeout);
+  object.close();
+  return payload;
 }
 
 }  // namespace mqtt

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "bridges/mqtt/pace.h"
+#include "bridges/process/control.h"
 #include "bridges/process/drive.h"
 #include "canopen/clock.h"
 
@@ -15,8 +16,9 @@ namespace mqtt {
 [[nodiscard]] std::string signal_text(const process::Drive& drive, process::SignalId signal, Shape shape,
                                       canopen::TimePoint now);
 
-/// What `B/<drive>/control` says: this version knows neither leases nor timeouts of writers.
-[[nodiscard]] std::string control_json();
+/// What `B/<drive>/control` says: who holds the lease, and whether the command timeout has acted. Of one form always:
+/// where nobody holds it, `holder` and `since` are null.
+[[nodiscard]] std::string control_json(const process::ControlState& control);
 
 [[nodiscard]] inline std::string online_text(bool online) {
   return online ? "online" : "offline";

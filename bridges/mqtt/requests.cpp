@@ -7,42 +7,23 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/mqtt/under_way.h"
+#include "bridges/process/command_checks.h"
+
 namespace mqtt {
 
 using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
 
-// Shared with the commands under way, which may outlive the requests by the time a drive takes to stop.
-struct UnderWay {
-  UnderWay(const boost::asio::any_io_executor& executor, std::size_t drives, Requests::Publish to_publish)
-      : publish(std::move(to_publish)), commands(drives), reads(drives), idle(executor) {}
-
-  void send(Message message) const {
-    if (publish) {
-      publish(std::move(message));
-    }
-  }
-  void ended(std::size_t drive, bool is_read) {
-    --(is_read ? reads : commands).at(drive);
-    --total;
-    if (total == 0) {
-      idle.cancel();
-    }
-  }
-
-  Requests::Publish publish;  ///< Empty after stop().
-  bool open = true;
-  std::vector<std::size_t> commands;  ///< By drive.
-  std::vector<std::size_t> reads;     ///< Likewise; apart, for a stop must not fail because of them.
-  std::size_t total = 0;
-  canopen::Timer idle;  ///< Cancelled when the last one ended.
-};
-
 namespace {
 
+process::Writer mqtt_writer() {
+  return {.way = process::Writer::Way::mqtt, .address = {}};
+}
+
 process::Origin origin_of(const Incoming& incoming) {
-  process::Origin origin{.writer = {.way = process::Writer::Way::mqtt, .address = {}}, .received = incoming.received};
+  process::Origin origin{.writer = mqtt_writer(), .received = incoming.received};
   if (incoming.expiry) {
     origin.expires = incoming.received + std::chrono::seconds(*incoming.expiry);
   }
@@ -62,40 +43,6 @@ Message refusal(const Route& route, const ReplyTo& to, const Error& error) {
   return is_sdo(route) ? sdo_answer(to, error, canopen::DataType::u8) : command_answer(to, error);
 }
 
-// Free functions, their parameters by value: what a coroutine refers to lives in its frame, or longer than it.
-boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, std::vector<process::FieldWrite> fields, ReplyTo to) {
-  const process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields));
-  under_way->send(command_answer(to, outcome));
-}
-
-boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                      process::Origin origin, canopen::NmtCommand nmt, ReplyTo to) {
-  const process::Outcome outcome = co_await drive.nmt(std::move(origin), nmt);
-  under_way->send(command_answer(to, outcome));
-}
-
-boost::asio::awaitable<void> read_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive, SdoRequest request,
-                                         ReplyTo to) {
-  const Result<canopen::Raw> read = co_await drive.sdo_read(request.object, request.type);
-  if (read.has_error()) {
-    under_way->send(sdo_answer(to, read.error(), request.type));
-  } else {
-    under_way->send(sdo_answer(to, std::optional<canopen::Raw>(read.value()), request.type));
-  }
-}
-
-boost::asio::awaitable<void> write_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, SdoRequest request, ReplyTo to) {
-  const canopen::ObjectValue value{request.object, request.type, *request.value};
-  const process::Outcome written = co_await drive.sdo_write(std::move(origin), value);
-  if (written.has_error()) {
-    under_way->send(sdo_answer(to, written.error(), request.type));
-  } else {
-    under_way->send(sdo_answer(to, std::optional<canopen::Raw>(), request.type));
-  }
-}
-
 }  // namespace
 
 Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant, const Topics& topics, Publish publish)
@@ -106,8 +53,15 @@ Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant,
 
 void Requests::handle(const Incoming& incoming) {
   const auto route = topics_.route(incoming.topic);
+  if (!under_way_->open || !route || route->kind == Route::Kind::alarm) {
+    return;
+  }
+  if (route->kind == Route::Kind::alive) {
+    take_sign_of_life(incoming, *route);
+    return;
+  }
   // An empty payload is what empties a retained topic, by us or by somebody else.
-  if (!under_way_->open || incoming.payload.empty() || !route || route->kind == Route::Kind::alarm) {
+  if (incoming.payload.empty()) {
     return;
   }
   const Command command = take_apart(incoming, *route);
@@ -135,7 +89,8 @@ boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
 }
 
 Requests::Command Requests::take_apart(const Incoming& incoming, const Route& route) {
-  const bool value = route.kind == Route::Kind::set_signal || route.kind == Route::Kind::nmt;
+  const bool value =
+      route.kind == Route::Kind::set_signal || route.kind == Route::Kind::nmt || route.kind == Route::Kind::stop_all;
   Parsed parsed = value ? parse_value(incoming.payload) : parse_object_payload(incoming.payload);
   process::Drive* drive = find_drive(route.drive);
   ReplyTo to{
@@ -153,20 +108,25 @@ Result<void> Requests::check(const Incoming& incoming, const Command& command) c
     return Error{.kind = ErrorKind::retained,
                  .detail = "a retained command is never carried out; its topic was emptied"};
   }
-  if (!incoming.response_topic.empty() && command.to.topic != incoming.response_topic) {
+  const bool stops_all = command.route.kind == Route::Kind::stop_all;
+  // A stop for all is not lost for the sake of its answer.
+  if (!stops_all && !incoming.response_topic.empty() && command.to.topic != incoming.response_topic) {
     return Error{.kind = ErrorKind::forbidden,
                  .detail = "the response topic belongs to the gateways; name one outside of their topics"};
   }
   if (is_expired(incoming, canopen::Clock::now())) {
     return Error{.kind = ErrorKind::expired, .detail = "the command came after its message expiry interval"};
   }
-  if (command.drive == nullptr) {
+  if (!stops_all && command.drive == nullptr) {
     return Error{.kind = ErrorKind::unknown, .detail = "no drive \"" + std::string(command.route.drive) + "\""};
   }
   return {};
 }
 
 Result<void> Requests::begin(const Incoming& incoming, const Command& command) {
+  if (command.route.kind == Route::Kind::stop_all) {
+    return begin_stop_all(incoming, command);
+  }
   const bool set_signal = command.route.kind == Route::Kind::set_signal;
   if (set_signal && !command.drive->model().find(command.route.signal)) {
     return Error{
@@ -183,13 +143,36 @@ Result<void> Requests::begin(const Incoming& incoming, const Command& command) {
       return begin_sdo(incoming, command);
     case Route::Kind::set_signal:
     case Route::Kind::set_drive:
+    case Route::Kind::alive:
+    case Route::Kind::stop_all:
     case Route::Kind::alarm:
       break;
   }
   return begin_set(incoming, command);
 }
 
-Result<void> Requests::check_begin(const Incoming& incoming, const Command& command) {
+Result<void> Requests::begin_stop_all(const Incoming& incoming, const Command& command) {
+  spawn(nullptr, stop_every_drive(under_way_, plant_, origin_of(incoming), command.to));
+  return {};
+}
+
+// A message that the broker kept may be of any time. It moves nothing, so it needs no answer.
+void Requests::take_sign_of_life(const Incoming& incoming, const Route& route) {
+  process::Drive* drive = find_drive(route.drive);
+  if (incoming.retained) {
+    if (!incoming.payload.empty()) {
+      under_way_->send({.topic = incoming.topic, .payload = {}});
+    }
+  } else if (drive != nullptr && !process::refuse_writer(drive->model(), mqtt_writer())) {
+    drive->sign_of_life(mqtt_writer());
+  }
+}
+
+Result<void> Requests::check_begin(const Incoming& incoming, const Command& command,
+                                   std::span<const process::FieldWrite> fields) {
+  if (command.drive->is_stop(fields)) {
+    return {};
+  }
   // Before the command is noted as seen: it may come again with the same id.
   if (under_way_->commands.at(command.drive->index()) >= kMaxCommands) {
     return Error{.kind = ErrorKind::timeout, .detail = "too many commands under way; this one was not carried out"};
@@ -211,9 +194,9 @@ Result<void> Requests::begin_set(const Incoming& incoming, const Command& comman
   if (fields.has_error()) {
     return fields.error();
   }
-  Result<void> checked = check_begin(incoming, command);
+  Result<void> checked = check_begin(incoming, command, fields.value());
   if (checked.has_value()) {
-    spawn(*command.drive,
+    spawn(&under_way_->commands.at(command.drive->index()),
           write_fields(under_way_, *command.drive, origin_of(incoming), std::move(fields.value()), command.to));
   }
   return checked;
@@ -226,7 +209,8 @@ Result<void> Requests::begin_nmt(const Incoming& incoming, const Command& comman
   }
   Result<void> checked = check_begin(incoming, command);
   if (checked.has_value()) {
-    spawn(*command.drive, send_nmt(under_way_, *command.drive, origin_of(incoming), nmt.value(), command.to));
+    spawn(&under_way_->commands.at(command.drive->index()),
+          send_nmt(under_way_, *command.drive, origin_of(incoming), nmt.value(), command.to));
   }
   return checked;
 }
@@ -237,30 +221,36 @@ Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& comman
     return request.error();
   }
   if (!request.value().value) {  // a read changes nothing and is never a repetition
-    if (under_way_->reads.at(command.drive->index()) >= kMaxReads) {
+    std::size_t& reads = under_way_->reads.at(command.drive->index());
+    if (reads >= kMaxReads) {
       return Error{.kind = ErrorKind::timeout, .detail = "too many reads under way; this one was not carried out"};
     }
-    spawn(*command.drive, read_object(under_way_, *command.drive, request.value(), command.to), true);
+    spawn(&reads, read_object(under_way_, *command.drive, request.value(), command.to));
     return {};
   }
-  Result<void> checked = check_begin(incoming, command);
+  std::vector<process::FieldWrite> fields;
+  if (const auto signal = process::writable_signal(command.drive->model(), request.value().object)) {
+    fields.push_back({*signal, *request.value().value});
+  }
+  Result<void> checked = check_begin(incoming, command, fields);
   if (checked.has_value()) {
-    spawn(*command.drive, write_object(under_way_, *command.drive, origin_of(incoming), request.value(), command.to));
+    spawn(&under_way_->commands.at(command.drive->index()),
+          write_object(under_way_, *command.drive, origin_of(incoming), request.value(), command.to));
   }
   return checked;
 }
 
-void Requests::spawn(const process::Drive& drive, boost::asio::awaitable<void> work, bool is_read) {
-  const std::size_t index = drive.index();
-  ++(is_read ? under_way_->reads : under_way_->commands).at(index);
+void Requests::spawn(std::size_t* among, boost::asio::awaitable<void> work) {
+  if (among != nullptr) {
+    ++*among;
+  }
   ++under_way_->total;
-  boost::asio::co_spawn(executor_, std::move(work),
-                        [under_way = under_way_, index, is_read](std::exception_ptr failure) {
-                          under_way->ended(index, is_read);
-                          if (failure) {
-                            std::rethrow_exception(failure);
-                          }
-                        });
+  boost::asio::co_spawn(executor_, std::move(work), [under_way = under_way_, among](std::exception_ptr failure) {
+    under_way->ended(among);
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
+  });
 }
 
 process::Drive* Requests::find_drive(std::string_view name) {

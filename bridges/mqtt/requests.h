@@ -4,6 +4,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <functional>
 #include <memory>
+#include <span>
 
 #include "bridges/mqtt/answers.h"
 #include "bridges/mqtt/command.h"
@@ -18,14 +19,15 @@ struct UnderWay;
 
 /// Commands that came from the broker: what must not be carried out is answered at once, the rest goes to its drive,
 /// and each is answered when the drive's outcome is there. Commands to one drive begin in the order of their arrival
-/// and wait for each other only where the drive makes them.
+/// and wait for each other only where the drive makes them. A stop is never a repetition, nor one too many.
 class Requests {
  public:
   using Publish = std::function<void(Message)>;
 
-  /// Commands of one drive under way at a time; further ones are answered `timeout` at once, not carried out.
+  /// Commands of one drive under way at a time; further ones, but for stops, are answered `timeout` at once and not
+  /// carried out.
   static constexpr std::size_t kMaxCommands = 64;
-  /// SDO reads likewise, counted apart: a stop must not fail because of them.
+  /// SDO reads likewise, counted apart: a command must not fail because of them.
   static constexpr std::size_t kMaxReads = 64;
 
   /// `plant` and `topics` outlive it; `publish` is called on the loop until the end of stop().
@@ -49,14 +51,17 @@ class Requests {
 
   [[nodiscard]] Command take_apart(const Incoming& incoming, const Route& route);
   [[nodiscard]] canopen::Result<void> check(const Incoming& incoming, const Command& command) const;
-  /// Refuses a repetition.
-  [[nodiscard]] canopen::Result<void> check_begin(const Incoming& incoming, const Command& command);
+  /// Refuses a repetition, and one too many; never a stop.
+  [[nodiscard]] canopen::Result<void> check_begin(const Incoming& incoming, const Command& command,
+                                                  std::span<const process::FieldWrite> fields = {});
   [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, const Command& command);
   [[nodiscard]] canopen::Result<void> begin_set(const Incoming& incoming, const Command& command);
   [[nodiscard]] canopen::Result<void> begin_nmt(const Incoming& incoming, const Command& command);
   [[nodiscard]] canopen::Result<void> begin_sdo(const Incoming& incoming, const Command& command);
-  /// Counts what is under way.
-  void spawn(const process::Drive& drive, boost::asio::awaitable<void> work, bool is_read = false);
+  [[nodiscard]] canopen::Result<void> begin_stop_all(const Incoming& incoming, const Command& command);
+  void take_sign_of_life(const Incoming& incoming, const Route& route);
+  /// Counts what is under way; `among` those of its drive, null: of no single one.
+  void spawn(std::size_t* among, boost::asio::awaitable<void> work);
   [[nodiscard]] process::Drive* find_drive(std::string_view name);
 
   boost::asio::any_io_executor executor_;

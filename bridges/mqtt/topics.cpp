@@ -79,7 +79,11 @@ Topics::Topics(const config::Model& model, std::string base, std::string_view ga
 
 std::vector<Subscription> Topics::command_subscriptions() const {
   // `+/+/set` holds `nmt/set` too. None of these overlap, so no command comes twice.
-  return {{root_ + "/+/set", 1}, {root_ + "/+/+/set", 1}, {root_ + "/+/sdo/request", 1}};
+  return {{root_ + "/+/set", 1},
+          {root_ + "/+/+/set", 1},
+          {root_ + "/+/sdo/request", 1},
+          {root_ + "/+/control/alive", 1},
+          {root_ + "/stop", 1}};
 }
 
 std::optional<Route> Topics::route(std::string_view topic) const {
@@ -88,6 +92,9 @@ std::optional<Route> Topics::route(std::string_view topic) const {
     return std::nullopt;
   }
   const std::vector<std::string_view> levels = levels_of(*rest);
+  if (*rest == "stop") {
+    return Route{Route::Kind::stop_all, {}, {}};
+  }
   if (levels.size() == 2 && levels[1] == "set") {
     return Route{Route::Kind::set_drive, levels[0], {}};
   }
@@ -100,6 +107,9 @@ std::optional<Route> Topics::route(std::string_view topic) const {
   }
   if (levels[1] == "sdo" && levels[2] == "request") {
     return Route{Route::Kind::sdo, levels[0], {}};
+  }
+  if (levels[1] == "control" && levels[2] == "alive") {
+    return Route{Route::Kind::alive, levels[0], {}};
   }
   if (levels[1] == "alarm") {
     return Route{Route::Kind::alarm, levels[0], levels[2]};
@@ -117,6 +127,9 @@ bool Topics::refused_as_response(std::string_view topic) const {
   }
   const std::vector<std::string_view> levels = levels_of(*rest);
   if (levels.back() == "set" || levels.back() == "request" || levels.back() == "alive") {
+    return true;
+  }
+  if (levels.size() == 2 && levels[1] == "stop") {  // of any gateway of this base
     return true;
   }
   if (topic == status_ || topic == info_) {

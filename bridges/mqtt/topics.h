@@ -25,9 +25,9 @@ struct DriveTopics {
 
 /// What a message is about, by its topic. Nothing in it is checked to exist.
 struct Route {
-  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alarm };
+  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm };
   Kind kind = Kind::set_signal;
-  std::string_view drive;   ///< A part of the topic.
+  std::string_view drive;   ///< A part of the topic; empty: all.
   std::string_view signal;  ///< Of set_signal.
 };
 

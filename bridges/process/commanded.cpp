@@ -85,6 +85,8 @@ std::string_view Commanded::all_void_since(Epoch epoch) const noexcept {
 
 void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch since, bool control_counts,
                         canopen::TimePoint now) {
+  const Field* given = control_ ? find_given(fields, *control_) : nullptr;
+  const auto word = given != nullptr && stopped_ <= since ? std::optional(given->raw) : repeated_control();
   for (const Field& field : fields) {
     Value& value = values_[field.signal];
     const bool control = is_control(field.signal);
@@ -94,16 +96,19 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
     value.counts =
         !outlived && (control_counts || !control) && !config::is_momentary(model_.signals[field.signal], field.raw);
     value.confirmed = now;
-    if (control && outlived && !is_stop(field.raw)) {
-      replace_repeated_control(canopen::first_stop(model_.node.motor));
-    } else if (control) {
-      standstill_word_.reset();
+    // A stop that came meanwhile is about to replace it.
+    if (control && stopped_ <= since) {
+      if (outlived && !may_go_on(field.raw)) {
+        replace_repeated_control(canopen::first_stop(model_.node.motor));
+      } else {
+        standstill_word_.reset();
+      }
     }
   }
   for (Rpdo& each : rpdos_) {
     const bool mine = each.number == rpdo;
     if (mine) {
-      each.repeats = silenced_ <= since;
+      each.repeats = silenced_ <= since && (fault_end_ <= since || outlasts_fault(each, word));
     }
     for (const Field& field : fields) {
       note_repetition(field, each, mine);
@@ -115,9 +120,7 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
 /// level would reset the next fault, too.
 void Commanded::note_repetition(const Field& field, Rpdo& rpdo, bool by_this_rpdo) {
   const config::Signal& signal = model_.signals[field.signal];
-  const bool maps = std::any_of(rpdo.fields.begin(), rpdo.fields.end(),
-                                [&](const MappedSignal& mapped) { return mapped.signal == field.signal; });
-  if (!maps || !config::is_momentary(signal, field.raw)) {
+  if (!maps(rpdo, field.signal) || !config::is_momentary(signal, field.raw)) {
     return;
   }
   if (!by_this_rpdo || !is_edge(signal, field.raw)) {
@@ -133,9 +136,8 @@ void Commanded::doubt(std::span<const Field> fields, canopen::TimePoint now) {
     value.doubtful = now;
   }
   for (Rpdo& rpdo : rpdos_) {
-    const bool carries = std::any_of(rpdo.fields.begin(), rpdo.fields.end(), [&](const MappedSignal& mapped) {
-      return find_given(fields, mapped.signal) != nullptr;
-    });
+    const bool carries =
+        std::any_of(fields.begin(), fields.end(), [&](const Field& field) { return maps(rpdo, field.signal); });
     rpdo.repeats = rpdo.repeats && !carries;
   }
 }
@@ -148,45 +150,43 @@ void Commanded::void_control(std::string_view what) {
   }
 }
 
-template <class Keep>
-void Commanded::end_repetition(Keep keep) {
+void Commanded::end_repetition() {
   silenced_ = epoch_;
-  const std::optional<canopen::Raw> held = control_held();
-  const bool kept = held && keep(*held);
   for (Rpdo& rpdo : rpdos_) {
-    rpdo.repeats = rpdo.repeats && kept;
+    rpdo.repeats = false;
   }
 }
 
 void Commanded::on_fault_begin(std::string_view what) {
   void_control(what);
-  end_repetition([](canopen::Raw) { return false; });
+  end_repetition();
 }
 
-/// What was commanded while the drive could not run must not start it; a stop may go on, and so does the reset itself
-/// where only its edge counts.
 void Commanded::on_fault_end() {
   void_control("a fault ended");
-  end_repetition([this](canopen::Raw held) { return is_stop(held) || is_edge(model_.signals[*control_], held); });
+  fault_end_ = epoch_;
+  for (Rpdo& rpdo : rpdos_) {
+    rpdo.repeats = rpdo.repeats && outlasts_fault(rpdo, repeated_control());
+  }
 }
 
 void Commanded::on_standstill(std::string_view what) {
   void_control(what);
-  const std::optional<canopen::Raw> held = control_held();
-  if (!held || is_stop(*held) || is_edge(model_.signals[*control_], *held)) {
-    return;
+  const std::optional<canopen::Raw> repeated = repeated_control();
+  if (repeated && !may_go_on(*repeated)) {
+    replace_repeated_control(canopen::first_stop(model_.node.motor));
   }
-  replace_repeated_control(canopen::first_stop(model_.node.motor));
 }
 
 void Commanded::on_stop(canopen::Raw control) {
   void_control("a stop came");
+  stopped_ = epoch_;
   replace_repeated_control(control);
 }
 
 void Commanded::replace_repeated_control(std::optional<canopen::Raw> stop) {
   if (!stop) {
-    end_repetition([](canopen::Raw) { return false; });
+    end_repetition();
   } else if (std::any_of(rpdos_.begin(), rpdos_.end(), [](const Rpdo& rpdo) { return rpdo.supervised; })) {
     standstill_word_ = stop;
   }
@@ -200,14 +200,11 @@ void Commanded::on_session_end(std::string_view what) {
     value.counts = false;
   }
   standstill_word_.reset();
-  end_repetition([](canopen::Raw) { return false; });
+  end_repetition();
 }
 
 std::uint16_t Commanded::rpdo_of(SignalId signal) const noexcept {
-  const auto found = std::find_if(rpdos_.begin(), rpdos_.end(), [=](const Rpdo& rpdo) {
-    return std::any_of(rpdo.fields.begin(), rpdo.fields.end(),
-                       [=](const MappedSignal& mapped) { return mapped.signal == signal; });
-  });
+  const auto found = std::find_if(rpdos_.begin(), rpdos_.end(), [=](const Rpdo& rpdo) { return maps(rpdo, signal); });
   return found == rpdos_.end() ? std::uint16_t{0} : found->number;
 }
 
@@ -254,7 +251,7 @@ std::optional<std::vector<canopen::ObjectValue>> Commanded::repetition(std::uint
   }
   std::vector<canopen::ObjectValue> values;
   for (const MappedSignal& mapped : found->fields) {
-    const auto raw = is_control(mapped.signal) && standstill_word_ ? standstill_word_ : values_[mapped.signal].held;
+    const auto raw = is_control(mapped.signal) ? repeated_control() : values_[mapped.signal].held;
     if (!raw) {
       return std::nullopt;
     }
@@ -268,6 +265,11 @@ bool Commanded::is_stop(canopen::Raw control) const noexcept {
          !config::is_momentary(model_.signals[*control_], control);
 }
 
+bool Commanded::maps(const Rpdo& rpdo, SignalId signal) noexcept {
+  return std::any_of(rpdo.fields.begin(), rpdo.fields.end(),
+                     [=](const MappedSignal& mapped) { return mapped.signal == signal; });
+}
+
 const Commanded::Rpdo* Commanded::find(std::uint16_t number) const noexcept {
   const auto found =
       std::find_if(rpdos_.begin(), rpdos_.end(), [=](const Rpdo& rpdo) { return rpdo.number == number; });
@@ -276,7 +278,21 @@ const Commanded::Rpdo* Commanded::find(std::uint16_t number) const noexcept {
 
 std::optional<canopen::Raw> Commanded::control_held() const noexcept {
   // Once a stop is repeated in its place, nobody knows which of the two the drive holds.
-  return control_ && !standstill_word_ ? values_[*control_].held : std::nullopt;
+  return standstill_word_ ? std::nullopt : repeated_control();
+}
+
+std::optional<canopen::Raw> Commanded::repeated_control() const noexcept {
+  return control_ && !standstill_word_ ? values_[*control_].held : standstill_word_;
+}
+
+bool Commanded::may_go_on(canopen::Raw control) const noexcept {
+  return is_stop(control) || (control_ && is_edge(model_.signals[*control_], control));
+}
+
+/// What was commanded while the drive could not run must not start it; a stop may go on, and so does the reset itself
+/// where only its edge counts.
+bool Commanded::outlasts_fault(const Rpdo& rpdo, std::optional<canopen::Raw> control) const noexcept {
+  return !control_ || !maps(rpdo, *control_) || (control && may_go_on(*control));
 }
 
 }  // namespace process

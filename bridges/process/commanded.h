@@ -80,6 +80,9 @@ class Commanded {
   [[nodiscard]] std::optional<std::vector<SignalId>> missing(std::uint16_t rpdo, std::span<const Field> given) const;
   /// What the RPDO is to be repeated with; nothing: not at all.
   [[nodiscard]] std::optional<std::vector<canopen::ObjectValue>> repetition(std::uint16_t rpdo) const;
+  /// The control command that a repeated RPDO holds: a stop that is about to be sent before what the drive is known to
+  /// hold.
+  [[nodiscard]] std::optional<canopen::Raw> repeated_control() const noexcept;
 
   [[nodiscard]] bool is_control(SignalId signal) const noexcept { return control_ && *control_ == signal; }
   /// The raw value only ever stops the motor.
@@ -111,15 +114,19 @@ class Commanded {
     std::string what;
   };
 
+  [[nodiscard]] static bool maps(const Rpdo& rpdo, SignalId signal) noexcept;
   [[nodiscard]] const Rpdo* find(std::uint16_t number) const noexcept;
   void void_control(std::string_view what);
-  /// Nothing of before is repeated, but what `keep` says of the control command that the drive holds.
-  template <class Keep>
-  void end_repetition(Keep keep);
+  /// Nothing of before is repeated.
+  void end_repetition();
   void note_repetition(const Field& field, Rpdo& rpdo, bool by_this_rpdo);
   /// What goes on being repeated after `control_command` became void.
   void replace_repeated_control(std::optional<canopen::Raw> stop);
   [[nodiscard]] std::optional<canopen::Raw> control_held() const noexcept;
+  /// It cannot start the motor, however often it is repeated.
+  [[nodiscard]] bool may_go_on(canopen::Raw control) const noexcept;
+  /// The RPDO may be repeated over the end of a fault where its control command, if it has one, is `control`.
+  [[nodiscard]] bool outlasts_fault(const Rpdo& rpdo, std::optional<canopen::Raw> control) const noexcept;
 
   const config::Drive& model_;
   std::optional<SignalId> control_;
@@ -129,6 +136,8 @@ class Commanded {
   Voided control_void_;
   Voided all_void_;
   Epoch silenced_ = 0;                           ///< When repetition last had to end.
+  Epoch fault_end_ = 0;                          ///< When a fault last ended.
+  Epoch stopped_ = 0;                            ///< When the newest stop came.
   std::optional<canopen::Raw> standstill_word_;  ///< Repeated in place of the control command that the drive holds.
 };
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "bridges/process/command_checks.h"
-#include "bridges/process/value_check.h"
 #include "canopen/hex.h"
 #include "canopen/node/remote_node.h"
+#include "config/value_check.h"
 
 namespace process {
 namespace {

@@ -140,7 +140,7 @@ void Drive::on_stale(SourceId source) {
   if (is_from(running_, source)) {
     was_running_ = false;
     commands_.on_standstill("nobody can tell whether the motor turns");
-    commands_.on_running(std::nullopt);
+    tell_running(std::nullopt);
   }
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
@@ -155,6 +155,13 @@ void Drive::on_read_wanted() {
   arm_expiry();
 }
 
+/// Called for each frame, tells changes only.
+void Drive::tell_running(std::optional<bool> running) {
+  if (std::exchange(told_running_, running) != running) {
+    commands_.on_running(running);
+  }
+}
+
 /// A run command that was given before a fault or a standstill is not to be carried along by a set-point after it. The
 /// end of a fault counts too: what was commanded while the drive could not run must not start it later.
 void Drive::void_commands(SourceId source) {
@@ -163,7 +170,7 @@ void Drive::void_commands(SourceId source) {
     if (std::exchange(was_running_, running) && !running) {
       commands_.on_standstill("the motor came to a stop");
     }
-    commands_.on_running(running);
+    tell_running(running);
   }
   if (is_from(quick_stop_, source)) {
     const bool quick_stop = image_.raw(quick_stop_->signal) != 0;
@@ -183,9 +190,9 @@ void Drive::void_commands(SourceId source) {
 /// it was commanded, the word that did it goes on: a drive that supervises its RPDOs would trip and perhaps coast.
 void Drive::on_quick_stop() {
   constexpr canopen::Raw kNoQuickStop = 0x0004;  // Controlword bit 2, CiA 402.
-  const auto control = model_.find("control_command");
-  const auto held = control ? commands_.commanded().held(static_cast<SignalId>(*control)) : std::nullopt;
-  if (held && (*held & kNoQuickStop) == 0) {
+  // Also the word of a stop that is on its way: a drive may show what it did before it confirms the write.
+  const std::optional<canopen::Raw> word = commands_.commanded().repeated_control();
+  if (word && (*word & kNoQuickStop) == 0) {
     commands_.on_standstill("a quick stop began");
   } else {
     commands_.on_fault_begin("a quick stop began");

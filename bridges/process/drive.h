@@ -131,6 +131,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
     return indicator && indicator->source == source;
   }
   void void_commands(SourceId source);
+  void tell_running(std::optional<bool> running);
   void on_quick_stop();
   void tell_alarms(SourceId source);
   void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
@@ -156,6 +157,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   std::optional<Indicator> running_;
   std::optional<Indicator> quick_stop_;
   std::optional<Indicator> fault_code_;
+  std::optional<bool> told_running_;  ///< Nothing: not fresh.
   bool was_running_ = false;
   bool had_fault_ = false;
   bool had_quick_stop_ = false;

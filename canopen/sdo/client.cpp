@@ -9,9 +9,6 @@
 namespace canopen {
 namespace {
 
-// CiA 301 table 75, default SDO.
-constexpr std::uint32_t kRequestBase = 0x600;
-constexpr std::uint32_t kAnswerBase = 0x580;
 // CiA 301 table 22.
 constexpr std::uint32_t kTimedOut = 0x05040000;
 constexpr std::uint32_t kGeneralError = 0x08000000;
@@ -24,10 +21,10 @@ SdoClient::SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8
     : channel_{std::move(executor), bus, node, settings},
       line_(channel_.executor, bus.sdo_budget()),
       unanswered_(settings.timeout),
-      subscription_(bus.subscribe(kAnswerBase + node, [this](const Received& received) { on_frame(received); })),
+      subscription_(bus.subscribe(kSdoAnswerBase + node, [this](const Received& received) { on_frame(received); })),
       // Echoes of our own are never dispatched.
       foreign_requests_(
-          bus.subscribe(kRequestBase + node, [this](const Received& received) { on_foreign_request(received); })) {}
+          bus.subscribe(kSdoRequestBase + node, [this](const Received& received) { on_foreign_request(received); })) {}
 
 // Named locals wherever a coroutine takes a value: g++ 12 mishandles temporaries in the operand of co_await.
 

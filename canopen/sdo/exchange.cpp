@@ -7,14 +7,8 @@
 #include "canopen/bus/transmission.h"
 
 namespace canopen {
-namespace {
-
-constexpr std::uint32_t kRequestBase = 0x600;  // CiA 301 table 75, default SDO.
-
-}  // namespace
-
 Frame sdo_request_frame(std::uint8_t node, const SdoFrame& request) noexcept {
-  return make_frame(kRequestBase + node, request);
+  return make_frame(kSdoRequestBase + node, request);
 }
 
 SdoExchange::SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitClass transmit_class, TimePoint deadline,

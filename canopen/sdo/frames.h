@@ -16,6 +16,10 @@ namespace canopen {
 
 using SdoFrame = std::array<std::uint8_t, 8>;
 
+// CiA 301 table 75, default SDO: plus the node id.
+inline constexpr std::uint32_t kSdoRequestBase = 0x600;
+inline constexpr std::uint32_t kSdoAnswerBase = 0x580;
+
 inline constexpr std::size_t kMaxExpeditedBytes = 4;
 inline constexpr std::size_t kSegmentBytes = 7;
 

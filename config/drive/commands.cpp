@@ -41,8 +41,10 @@ class TimeoutValues {
     }
     const auto control = draft_.drive.find("control_command");
     auto& values = draft_.drive.commands.timeout_values;
-    std::stable_partition(values.begin(), values.end(),
-                          [&control](const TimeoutValue& value) { return value.signal == control; });
+    const auto stop = std::ranges::find(values, control, &TimeoutValue::signal);
+    if (stop != values.end()) {
+      std::rotate(values.begin(), stop, stop + 1);
+    }
   }
 
  private:

@@ -7,6 +7,7 @@ trap 'rm -rf "$directory"' EXIT
 # The program is not installed here; systemd looks whether it is there.
 sed 's|^ExecStart=[^ ]*|ExecStart=/bin/true|' canopen-gateway.service >"$directory/canopen-gateway.service"
 grep -q '^ExecStart=/usr/bin/canopen-gateway run$' canopen-gateway.service
+grep -q '^RuntimeDirectory=canopen-gateway$' canopen-gateway.service # where the control socket is by default
 
 # An unknown key is only a remark for systemd-analyze.
 systemd-analyze verify --man=no "$directory/canopen-gateway.service" 2>"$directory/remarks"

@@ -169,7 +169,6 @@ TEST_F(LeftOverTest, ACommandIsNeverFollowedByAnOlderRepetition) {
 
 TEST_F(LeftOverTest, ACommandBySdoIsNotUndoneByARepetitionThatWaited) {
   run_supervised();
-  node_->void_rpdos(true);  // A standstill: the supervised RPDO goes on being repeated.
   closed_ = true;
   loop_.advance(101ms);  // A repetition waits.
   slave_.forget_heard();

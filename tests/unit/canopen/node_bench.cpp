@@ -155,7 +155,16 @@ NodeCommandBench::Sent NodeCommandBench::write(Raw raw, Duration within) {
 }
 
 NodeCommandBench::Sent NodeCommandBench::rpdo(std::vector<ObjectValue> fields, Duration within) {
-  return support::spawn(loop_.executor(), node_->send_rpdo(1, std::move(fields), Clock::now() + within));
+  return support::spawn(loop_.executor(), send_and_note(std::move(fields), Clock::now() + within));
+}
+
+boost::asio::awaitable<Result<void>> NodeCommandBench::send_and_note(std::vector<ObjectValue> fields,
+                                                                     TimePoint deadline) {
+  Result<void> left = co_await node_->send_rpdo(1, fields, TransmitClass::command, deadline);
+  if (left.has_value()) {
+    events_.repeated = std::move(fields);
+  }
+  co_return left;
 }
 
 Result<void> NodeCommandBench::rpdo_now(std::vector<ObjectValue> fields) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,9 @@ class RecordedEvents final : public NodeEvents {
   }
   void on_emcy(const Emcy& emcy, TimePoint, WallTime) override { emergencies.push_back(emcy); }
   void on_frames_lost() override { ++losses; }
+  std::optional<std::vector<ObjectValue>> repetition(std::uint16_t rpdo) override {
+    return rpdo == 1 && !repeated.empty() ? std::optional(repeated) : std::nullopt;
+  }
   void on_remark(const std::string& text) override { remarks.push_back(text); }
 
   std::vector<NodeStatus> statuses;
@@ -41,6 +45,7 @@ class RecordedEvents final : public NodeEvents {
   std::vector<Emcy> emergencies;
   int losses = 0;
   std::vector<std::string> remarks;
+  std::vector<ObjectValue> repeated;  ///< What RPDO1 is to be repeated with; empty: it is not.
 };
 
 constexpr std::uint8_t kTestNode = 5;
@@ -105,11 +110,15 @@ class NodeCommandBench : public NodeBench {
   Sent command(NmtCommand command, Duration within = kDeadline);
   Result<void> command_now(NmtCommand what);
   Sent write(Raw raw, Duration within = kDeadline);
+  /// Once it has left, this is what is repeated where the drive supervises it.
   Sent rpdo(std::vector<ObjectValue> fields, Duration within = kDeadline);
   Result<void> rpdo_now(std::vector<ObjectValue> fields);
   static ObjectValue control(Raw raw) { return {kControlWord, DataType::u16, raw}; }
   static ObjectValue target(Raw raw) { return {kTarget, DataType::i16, raw}; }
   void expect_write_refused();
+
+ private:
+  boost::asio::awaitable<Result<void>> send_and_note(std::vector<ObjectValue> fields, TimePoint deadline);
 };
 
 }  // namespace canopen

@@ -145,64 +145,46 @@ TEST_F(NodeCommandsTest, CommandThatWaitsAtABootUpNeverLeaves) {
 
 TEST_F(NodeCommandsTest, RpdoNeedsEveryField) {
   bring_online(bench_settings());
-  EXPECT_EQ(node_->rpdo_of(kTarget), 1U);
-  EXPECT_EQ(node_->rpdo_of({0x6041, 0}), 0U);
   EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
   EXPECT_TRUE(slave_.heard_on(0x205).empty());
-  node_->note_commanded(control(0x0F));
-  EXPECT_TRUE(rpdo_now({target(100)}).has_value());
+  EXPECT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete) << "nothing is added to what is given";
   ASSERT_EQ(slave_.heard_on(0x205).size(), 1U);
   EXPECT_EQ(slave_.heard_on(0x205)[0], make_frame(0x205, std::vector<std::uint8_t>{0x0F, 0, 100, 0}));
-  node_->forget_commanded(kControlWord);
-  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
 }
 
-TEST_F(NodeCommandsTest, RpdosAreBuiltOneAfterTheOther) {
+TEST_F(NodeCommandsTest, RpdosAreRefusedWhileItIsNotOperational) {
   bring_online(bench_settings());
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
-  const auto first = rpdo({target(200)});
-  const auto second = rpdo({control(0x06)});
-  loop_.advance(2ms);
-  ASSERT_TRUE(first.done() && second.done());
-  EXPECT_EQ(slave_.heard_on(0x205).back(), make_frame(0x205, std::vector<std::uint8_t>{0x06, 0, 200, 0}));
-}
-
-TEST_F(NodeCommandsTest, RpdosAreVoidAfterStandstillLossAndLeavingOperational) {
-  bring_online(bench_settings());
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
-  node_->void_rpdos();
-  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
   ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  EXPECT_EQ(rpdo_now({control(0x0F), target(100)}).error().kind, ErrorKind::offline);
   ASSERT_TRUE(command_now(NmtCommand::start).has_value());
   loop_.advance(1s);
   ASSERT_EQ(status().nmt, NmtState::operational);
-  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
-  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
   lose();
-  slave_.unplug(false);
-  ASSERT_TRUE(wait_online());
-  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
+  EXPECT_EQ(rpdo_now({control(0x0F), target(100)}).error().kind, ErrorKind::offline);
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
 }
 
-TEST_F(NodeCommandsTest, StandstillWithdrawsAWaitingRpdoThatReliesOnAnEarlierCommand) {
+TEST_F(NodeCommandsTest, ARpdoThatWaitsIsWithdrawnWithTheCommand) {
   bring_online(bench_settings());
   ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
   slave_.forget_heard();
   wire_.withhold_echoes(true);
   const auto blocking = write(0x0F, 50ms);  // Of commands only one is in the kernel at a time.
-  const auto waiting = rpdo({target(200)});
+  const auto waiting = rpdo({control(0x0F), target(200)});
   loop_.settle();
-  node_->void_rpdos();
+  node_->withdraw_command();
   loop_.settle();
   ASSERT_TRUE(waiting.done());
-  EXPECT_EQ(waiting.get().error().kind, ErrorKind::incomplete);
+  EXPECT_EQ(waiting.get().error().kind, ErrorKind::timeout);
+  EXPECT_TRUE(waiting.get().error().not_sent);
+  EXPECT_FALSE(waiting.get().error().outcome_unknown);
   wire_.withhold_echoes(false);
   loop_.advance(3s);
   EXPECT_TRUE(slave_.heard_on(0x205).empty());
 }
 
-TEST_F(NodeCommandsTest, SupervisedRpdoIsRepeatedUntilItIsVoid) {
+TEST_F(NodeCommandsTest, SupervisedRpdoIsRepeatedWithWhatIsTold) {
   NodeSettings settings = bench_settings();
   settings.rpdos[0].event_timer = std::uint16_t{300};
   bring_online(settings);
@@ -211,20 +193,52 @@ TEST_F(NodeCommandsTest, SupervisedRpdoIsRepeatedUntilItIsVoid) {
   ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
   slave_.forget_heard();
   loop_.advance(1s);
-  EXPECT_EQ(slave_.heard_on(0x205).size(), 10U);
-  node_->void_rpdos(true);
+  EXPECT_EQ(slave_.heard_on(0x205),
+            std::vector<Frame>(10, make_frame(0x205, std::vector<std::uint8_t>{0x0F, 0, 100, 0})));
+  slave_.forget_heard();
+  events_.repeated = {control(0x06), target(100)};  // A drive that came to a stop would trip otherwise.
+  node_->repetition_changed();
   loop_.advance(1s);
-  EXPECT_EQ(slave_.heard_on(0x205).size(), 20U) << "a drive that came to a stop would trip otherwise";
-  EXPECT_EQ(rpdo_now({target(100)}).error().kind, ErrorKind::incomplete);
-  node_->void_rpdos();
+  EXPECT_EQ(slave_.heard_on(0x205),
+            std::vector<Frame>(10, make_frame(0x205, std::vector<std::uint8_t>{0x06, 0, 100, 0})));
+  slave_.forget_heard();
+  events_.repeated.clear();
+  node_->repetition_changed();
   loop_.advance(1s);
-  EXPECT_EQ(slave_.heard_on(0x205).size(), 20U);
+  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+}
+
+TEST_F(NodeCommandsTest, NothingIsRepeatedAfterABootUpALossOrLeavingOperationalWhateverIsTold) {
+  NodeSettings settings = bench_settings();
+  settings.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online(settings);
+  const auto expect_silence = [&] {
+    slave_.forget_heard();
+    ASSERT_FALSE(events_.repeated.empty());
+    loop_.advance(1s);
+    ASSERT_TRUE(status().online);
+    ASSERT_EQ(status().nmt, NmtState::operational);
+    EXPECT_TRUE(slave_.heard_on(0x205).empty());
+  };
   ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
   slave_.boot_up();
+  ASSERT_TRUE(wait_online());
+  loop_.advance(1s);
+  expect_silence();
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  ASSERT_TRUE(command_now(NmtCommand::pre_operational).has_value());
+  ASSERT_TRUE(command_now(NmtCommand::start).has_value());
+  loop_.advance(1s);
+  expect_silence();
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
+  lose();
+  slave_.unplug(false);
+  ASSERT_TRUE(wait_online());
+  expect_silence();
+  ASSERT_TRUE(rpdo_now({control(0x0F), target(100)}).has_value());
   slave_.forget_heard();
-  loop_.advance(2s);
-  ASSERT_TRUE(status().online);
-  EXPECT_TRUE(slave_.heard_on(0x205).empty());
+  loop_.advance(1s);
+  EXPECT_EQ(slave_.heard_on(0x205).size(), 10U) << "the next command is repeated again";
 }
 
 TEST_F(NodeCommandsTest, UnsupervisedRpdoIsNotRepeated) {

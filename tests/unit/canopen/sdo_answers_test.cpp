@@ -45,7 +45,7 @@ TEST_F(SdoAnswersTest, AbortCarriesNodeObjectAndCode) {
   const Result<Raw> result = read_now(kStatus, DataType::u16);
   ASSERT_TRUE(result.has_error());
   EXPECT_EQ(result.error().kind, ErrorKind::refused);
-  EXPECT_EQ(result.error().node, kNode);
+  EXPECT_EQ(result.error().node, kSdoNode);
   EXPECT_EQ(result.error().object, kStatus);
   EXPECT_EQ(result.error().abort, 0x06020000U);
 }

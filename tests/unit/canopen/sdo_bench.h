@@ -16,7 +16,7 @@
 
 namespace canopen {
 
-constexpr std::uint8_t kNode = 5;
+constexpr std::uint8_t kSdoNode = 5;
 constexpr ObjectAddress kStatus{0x2030, 3};
 constexpr ObjectAddress kCommand{0x2030, 2};
 constexpr ObjectAddress kName{0x1008, 0};
@@ -49,7 +49,7 @@ class SdoBench : public testing::Test {
   }
 
   void use(SdoSettings settings) {
-    client_ = std::make_unique<SdoClient>(loop_.executor(), bus_, kNode, settings);
+    client_ = std::make_unique<SdoClient>(loop_.executor(), bus_, kSdoNode, settings);
     client_->on_abort([this](std::uint32_t code) { aborts_.push_back(code); });
     client_->on_remark([this](std::string_view text) { remarks_.emplace_back(text); });
   }
@@ -84,8 +84,8 @@ class SdoBench : public testing::Test {
   VirtualBus wire_{loop_.executor()};
   bool closed_ = false;  ///< Nothing of ours can leave.
   Bus bus_{loop_.executor(), std::make_unique<support::GatedLink>(wire_.connect(), closed_), quiet_bus()};
-  support::ScriptedSlave slave_{loop_.executor(), wire_, kNode};
-  std::unique_ptr<SdoClient> client_ = std::make_unique<SdoClient>(loop_.executor(), bus_, kNode, SdoSettings{});
+  support::ScriptedSlave slave_{loop_.executor(), wire_, kSdoNode};
+  std::unique_ptr<SdoClient> client_ = std::make_unique<SdoClient>(loop_.executor(), bus_, kSdoNode, SdoSettings{});
   std::vector<std::uint32_t> aborts_;
   std::vector<std::string> remarks_;
 };

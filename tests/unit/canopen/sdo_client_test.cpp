@@ -205,22 +205,22 @@ TEST_F(SdoClientTest, InterruptionWithdrawsACommandFromTheTransmitQueue) {
   EXPECT_TRUE(slave_.writes().empty());
 }
 
-TEST_F(SdoClientTest, ACommandMadeFromWhatHasChangedMeanwhileNeverLeaves) {
+TEST_F(SdoClientTest, ACommandWithdrawnWhileItWaitsNeverLeavesAndTheReadGoesOn) {
   slave_.set(kCommand, DataType::u16, 0);
   slave_.set(kStatus, DataType::u16, 0);
-  bool stands = true;
   slave_.delay_answers(100ms);
   const auto reading = read(kStatus, DataType::u16);
-  const auto writing = support::spawn(
-      loop_.executor(),
-      client_->write_command(kCommand, DataType::u16, 1, Clock::now() + 800ms, [&stands] { return stands; }));
+  const auto writing = command(kCommand, 1);
   loop_.advance(50ms);
   EXPECT_FALSE(writing.done());
-  stands = false;
+  client_->withdraw_commands();
   loop_.advance(60ms);
   ASSERT_TRUE(writing.done());
-  EXPECT_EQ(writing.get().error().kind, ErrorKind::incomplete);
+  EXPECT_EQ(writing.get().error().kind, ErrorKind::offline);
+  EXPECT_TRUE(writing.get().error().not_sent);
   EXPECT_FALSE(writing.get().error().outcome_unknown);
+  ASSERT_TRUE(reading.done());
+  EXPECT_TRUE(reading.get().has_value());
   loop_.advance(1s);
   EXPECT_TRUE(slave_.writes().empty());
 }

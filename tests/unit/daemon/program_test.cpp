@@ -26,7 +26,8 @@ constexpr int kWrongUsage = 2;
 constexpr int kWrongConfiguration = 78;
 
 const std::string kSite =
-    "[gateway]\nname = \"line3\"\nstate_dir = \"/nowhere/state\"\n[[bus]]\nname = \"can0\"\ninterface = \"virtual\"\n"
+    "[gateway]\nname = \"line3\"\ncontrol = \"\"\nstate_dir = \"/nowhere/state\"\n[[bus]]\nname = \"can0\"\n"
+    "interface = \"virtual\"\n"
     "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"veichi-ac310\"\n";
 
 Words with(const TemporaryFile& file, const std::string& command) {

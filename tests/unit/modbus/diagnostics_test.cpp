@@ -87,6 +87,57 @@ TEST(Diagnostics, TheLastAbortFollowsTheWordOrder) {
   }
 }
 
+TEST(Diagnostics, OnlyWhatACommandWasRefusedWithIsItsAbort) {
+  Site site;
+  site.bring_up();
+  site.puppet().dictionary.erase(modbus_test::kRampObject);  // 0x06020000
+  site.run(milliseconds(1500));
+  EXPECT_EQ(site.ask("03 03f4 0002"), "03 04 0000 0000") << "a poll is no command";
+}
+
+TEST(Diagnostics, TellHowFarAWriteCameThatFailed) {
+  Site site;
+  site.bring_up();
+  site.puppet().refuse_writes[modbus_test::kValveObject] = 0x08000022;
+  EXPECT_EQ(site.ask("03 03f9 0001"), "03 02 0000");
+  EXPECT_EQ(site.ask("0f 000a 0002 01 03"), "8f 04");
+  EXPECT_EQ(site.ask("03 03f9 0001"), "03 02 0001");
+  EXPECT_EQ(site.ask("05 000a ff00"), "05 000a ff00");
+  EXPECT_EQ(site.ask("03 03f9 0001"), "03 02 0001") << "of the last that failed";
+}
+
+TEST(Diagnostics, ACommandRegisterIsFreshWhileItsValueCounts) {
+  Site site;
+  site.bring_up();
+  const auto of_100_on = [&site] { return site.ask("03 0416 0001"); };
+  EXPECT_EQ(of_100_on(), "03 02 0000");
+  EXPECT_EQ(site.ask("10 0064 0002 04 0003 1388"), "10 0064 0002");
+  EXPECT_EQ(of_100_on(), "03 02 0030");  // 100 and 101: bits 4 and 5 of 1046
+  site.send_values(0x0001, 0, 0);        // running
+  site.send_values(0x0000, 0, 0);        // and stopped again
+  EXPECT_EQ(of_100_on(), "03 02 0020") << "the run command is forgotten, the set-point is not";
+}
+
+TEST(Diagnostics, ShowWhoIsInControl) {
+  config::Model model = example_model();
+  model.drives[0].commands.lease = std::chrono::seconds(1);
+  model.drives[0].commands.timeout = milliseconds(500);
+  Site site(model);
+  site.bring_up();
+  const auto bits = [&site] { return std::stoul(site.ask("03 03e8 0001").substr(6), nullptr, 16) & 0xC0U; };
+  EXPECT_EQ(bits(), 0U);
+  EXPECT_EQ(site.ask("10 0064 0002 04 0003 1388"), "10 0064 0002");
+  EXPECT_EQ(bits(), 0x80U) << "lease held";
+  // Whatever this client asks is a sign of life.
+  for (int i = 0; i < 4; ++i) {
+    site.run(milliseconds(300));
+    EXPECT_EQ(bits() & 0x40U, 0U);
+  }
+  EXPECT_EQ(bits(), 0U) << "but no accepted command, which a lease needs";
+  site.run(milliseconds(600));
+  EXPECT_EQ(bits(), 0x40U) << "the command timeout acted";
+}
+
 TEST(Diagnostics, AreReadOnlyButForTheNmtCommand) {
   Site site;
   site.bring_up();

@@ -87,6 +87,38 @@ TEST_F(WritePlanTest, OneAddressThatTakesNoValueRefusesAll) {
   EXPECT_EQ(registers({1020, 2}, "0001 0000"), "exception 2");
 }
 
+/// A drive with a control command and one set-point, at 100 and 102, and a value that is only read at 103.
+class SparsePlanTest : public testing::Test {
+ protected:
+  static config::Drive drive() {
+    config::Drive made;
+    made.signals = {signal(Access::write, DataType::u16, ModbusKind::holding, 100),
+                    signal(Access::write, DataType::u16, ModbusKind::holding, 102),
+                    signal(Access::read, DataType::u16, ModbusKind::holding, 103)};
+    return made;
+  }
+  [[nodiscard]] std::size_t fields(Range range, const std::string& bytes) const {
+    const WritePlan plan = modbus::plan_registers(table_, range, hex(bytes));
+    const auto* const made = std::get_if<std::vector<process::FieldWrite>>(&plan);
+    return made == nullptr ? 0 : made->size();
+  }
+
+ private:
+  const config::Drive model_ = drive();
+  const ProcessTable table_{model_, config::WordOrder::big};
+};
+
+TEST_F(SparsePlanTest, AnUnusedRegisterBesideTheControlCommandTakesAnIgnoredZero) {
+  EXPECT_EQ(fields({100, 2}, "0007 0000"), 1U);
+  EXPECT_EQ(fields({100, 3}, "0007 0000 0001"), 2U);
+  EXPECT_EQ(fields({100, 2}, "0007 0001"), 0U) << "any other value";
+  EXPECT_EQ(fields({100, 3}, "0007 0100 0001"), 0U);
+  EXPECT_EQ(fields({101, 1}, "0000"), 0U) << "without 100";
+  EXPECT_EQ(fields({101, 2}, "0000 0001"), 0U);
+  EXPECT_EQ(fields({100, 4}, "0007 0000 0001 0000"), 0U) << "103 is used, and takes no value";
+  EXPECT_EQ(fields({99, 3}, "0000 0007 0000"), 0U) << "99 is no such register";
+}
+
 TEST_F(WritePlanTest, AValueBeyondTheTypeIsRefusedNotCut) {
   EXPECT_EQ(registers({103, 1}, "0100"), "exception 3");
 }

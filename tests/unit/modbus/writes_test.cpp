@@ -71,6 +71,19 @@ TEST_F(Writes, Function16CompletesAnRpdoAndThenOneRegisterIsEnough) {
   EXPECT_TRUE(puppet().written.empty());
 }
 
+TEST_F(Writes, RegistersThatTheDriveLacksTakeAZeroBesideTheControlCommand) {
+  EXPECT_EQ(ask("10 0064 0004 08 0003 1388 0000 0000"), "10 0064 0004");
+  ASSERT_EQ(puppet().rpdos.size(), 1U);
+  EXPECT_EQ(puppet().rpdos[0].data[0], 0x03);
+  EXPECT_EQ(ask("17 0064 0004 0064 0004 08 0005 1388 0000 0000"), "17 08 0005 1388 0000 0000");
+  EXPECT_EQ(puppet().rpdos.size(), 2U);
+  EXPECT_EQ(ask("10 0064 0004 08 0003 1388 0000 0001"), "90 02");
+  EXPECT_EQ(ask("10 0065 0002 04 1388 0000"), "90 02");
+  EXPECT_EQ(ask("06 0066 0000"), "86 02");
+  EXPECT_EQ(puppet().rpdos.size(), 2U);
+  EXPECT_TRUE(puppet().written.empty());
+}
+
 TEST_F(Writes, WideValuesAreWrittenWhole) {
   EXPECT_EQ(ask("10 012e 0002 04 ffff fffe"), "10 012e 0002");
   ASSERT_EQ(puppet().written.size(), 1U);

@@ -40,22 +40,27 @@ TEST_F(TopicsTest, RoutesCommands) {
   EXPECT_EQ(topics_.route("canopen/line3/pump1/set")->kind, Route::Kind::set_drive);
   EXPECT_EQ(topics_.route("canopen/line3/pump1/nmt/set")->kind, Route::Kind::nmt);
   EXPECT_EQ(topics_.route("canopen/line3/pump1/sdo/request")->kind, Route::Kind::sdo);
+  EXPECT_EQ(topics_.route("canopen/line3/pump1/control/alive")->kind, Route::Kind::alive);
+  EXPECT_EQ(topics_.route("canopen/line3/pump1/control/alive")->drive, "pump1");
+  EXPECT_EQ(topics_.route("canopen/line3/stop")->kind, Route::Kind::stop_all);
   EXPECT_EQ(topics_.route("canopen/line3/pump1/alarm/emcy")->kind, Route::Kind::alarm);
   EXPECT_EQ(topics_.route("canopen/line3/nobody/set")->drive, "nobody");
 }
 
 TEST_F(TopicsTest, RoutesNothingElse) {
-  for (const char* topic : {"", "canopen/line3", "canopen/line3/", "canopen/line3/set", "canopen/line33/pump1/set",
-                            "canopen/line3/pump1/state", "canopen/line3/pump1/a/b/set", "other/line3/pump1/set",
-                            "canopen/line3/pump1/sdo/response", "canopen/line3/pump1/request"}) {
+  for (const char* topic :
+       {"", "canopen/line3", "canopen/line3/", "canopen/line3/set", "canopen/line33/pump1/set",
+        "canopen/line3/pump1/state", "canopen/line3/pump1/a/b/set", "other/line3/pump1/set",
+        "canopen/line3/pump1/sdo/response", "canopen/line3/pump1/request", "canopen/line3/pump1/stop",
+        "canopen/line4/stop", "canopen/line3/pump1/control", "canopen/line3/control/alive"}) {
     EXPECT_FALSE(topics_.route(topic)) << topic;
   }
 }
 
 TEST_F(TopicsTest, RefusesResponseTopicsThatAreCommandsOfAnyGateway) {
-  for (const char* topic :
-       {"canopen/line3/pump1/set", "canopen/line3/pump1/frequency_command/set", "canopen/line4/fan/set",
-        "canopen/line3/pump1/nmt/set", "canopen/line3/pump1/sdo/request", "canopen/line3/pump1/control/alive"}) {
+  for (const char* topic : {"canopen/line3/pump1/set", "canopen/line3/pump1/frequency_command/set",
+                            "canopen/line4/fan/set", "canopen/line3/pump1/nmt/set", "canopen/line3/pump1/sdo/request",
+                            "canopen/line3/pump1/control/alive", "canopen/line3/stop", "canopen/line4/stop"}) {
     EXPECT_TRUE(topics_.refused_as_response(topic)) << topic;
   }
 }

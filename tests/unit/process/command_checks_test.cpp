@@ -170,7 +170,7 @@ TEST_F(CommandsTest, SdoWriteOfASignalsObjectGoesTheSignalsWay) {
   expect_refused(sdo_write_now({test::kFrequency, DataType::u32, 1000}), ErrorKind::type);
   expect_silence();
   EXPECT_TRUE(sdo_write_now({test::kFrequency, DataType::u16, 1000}).has_value());
-  EXPECT_EQ(drive_->image().commanded(signal("frequency_command")), 1000U);
+  EXPECT_EQ(drive_->commanded().shown(signal("frequency_command")), 1000U);
   run_motor();
   EXPECT_TRUE(sdo_write_now({test::kFrequency, DataType::u16, 2000}).has_value());
   EXPECT_EQ(rpdos(), std::vector<Bytes>({{1, 0, 0xD0, 0x07, 0, 0}}));

@@ -7,14 +7,12 @@
 #include <chrono>
 #include <string>
 
+#include "tests/unit/process/control_cases.h"
+
 namespace process {
 namespace {
 
 using namespace std::chrono_literals;
-
-const Writer kPlc{.way = Writer::Way::modbus, .address = "192.0.2.7"};
-const Writer kMqtt{.way = Writer::Way::mqtt, .address = {}};
-const Writer kLocal{.way = Writer::Way::local, .address = {}};
 
 /// One letter is one thing that happens at its second:
 ///   A B  a run command of the PLC, of MQTT, accepted and confirmed     J K  accepted only     L  MQTT's is confirmed
@@ -31,13 +29,9 @@ struct TimeoutCase {
   std::string result;
 };
 
-std::string name_of_case(const testing::TestParamInfo<TimeoutCase>& info) {
-  return info.param.name;
-}
-
-class Course {
+class TimeoutCourse {
  public:
-  Course(canopen::Duration timeout, OnTimeout on_timeout) : timeout_(timeout, on_timeout) {}
+  TimeoutCourse(canopen::Duration timeout, OnTimeout on_timeout) : timeout_(timeout, on_timeout) {}
 
   std::string run(const std::string& course) {
     std::string result;
@@ -79,29 +73,29 @@ class Course {
   bool happened_to_writer(char what) {
     switch (what) {
       case 'A':
-        return give(kPlc, ControlUse::run), true;
+        return give(test::kPlc, ControlUse::run), true;
       case 'B':
-        return give(kMqtt, ControlUse::run), true;
+        return give(test::kMqtt, ControlUse::run), true;
       case 'S':
-        return give(kPlc, ControlUse::stop), true;
+        return give(test::kPlc, ControlUse::stop), true;
       case 'T':
-        return give(kMqtt, ControlUse::stop), true;
+        return give(test::kMqtt, ControlUse::stop), true;
       case 'm':
-        return give(kPlc, ControlUse::momentary), true;
+        return give(test::kPlc, ControlUse::momentary), true;
       case 'J':
-        return timeout_.on_accepted(kPlc, ControlUse::run, now_), true;
+        return timeout_.on_accepted(test::kPlc, ControlUse::run, now_), true;
       case 'K':
-        return timeout_.on_accepted(kMqtt, ControlUse::run, now_), true;
+        return timeout_.on_accepted(test::kMqtt, ControlUse::run, now_), true;
       case 'L':
-        return timeout_.on_confirmed(kMqtt, ControlUse::run, now_), true;
+        return timeout_.on_confirmed(test::kMqtt, ControlUse::run, now_), true;
       case 'p':
-        return timeout_.on_accepted(kPlc, ControlUse::none, now_), true;
+        return timeout_.on_accepted(test::kPlc, ControlUse::none, now_), true;
       case 'q':
-        return timeout_.on_accepted(kMqtt, ControlUse::none, now_), true;
+        return timeout_.on_accepted(test::kMqtt, ControlUse::none, now_), true;
       case 'a':
-        return timeout_.on_sign_of_life(kPlc, now_), true;
+        return timeout_.on_sign_of_life(test::kPlc, now_), true;
       case 'b':
-        return timeout_.on_sign_of_life(kMqtt, now_), true;
+        return timeout_.on_sign_of_life(test::kMqtt, now_), true;
       default:
         return false;
     }
@@ -121,7 +115,7 @@ class Course {
       case '+':
         return timeout_.on_values_confirmed(), true;
       case 's':
-        timeout_.on_confirmed(kLocal, ControlUse::stop, now_);
+        timeout_.on_confirmed(test::kLocal, ControlUse::stop, now_);
         return timeout_.on_values_confirmed(), true;
       case '-':
         return timeout_.on_values_failed("refused by the drive", now_), true;
@@ -137,88 +131,86 @@ class Course {
 class TimeoutCases : public testing::TestWithParam<TimeoutCase> {};
 
 TEST_P(TimeoutCases, ActsAndEnds) {
-  Course course(3s, GetParam().on_timeout);
+  TimeoutCourse course(3s, GetParam().on_timeout);
   EXPECT_EQ(course.run(GetParam().course), GetParam().result);
 }
 
-constexpr auto kHold = OnTimeout::hold;
-constexpr auto kCease = OnTimeout::cease;
-constexpr auto kValues = OnTimeout::values;
-
 INSTANTIATE_TEST_SUITE_P(
     WhoseSilence, TimeoutCases,
-    testing::Values(TimeoutCase{"NobodyCommanded", kHold, "ab......", "........"},
-                    TimeoutCase{"Silent", kHold, "A......", "...!!!!"},
-                    TimeoutCase{"OwnSignsOfLife", kHold, "A.a..a..p....", "...........!!"},
-                    TimeoutCase{"SignsOfOthersDoNotHelp", kHold, "A.b.q.b", "...!!!!"},
-                    TimeoutCase{"TheLastConfirmedWriterCounts", kHold, "A.B.a.a", ".....!!"},
-                    TimeoutCase{"NotOneWhoseCommandIsNotConfirmed", kHold, "A.K.b.b", "...!!!!"},
-                    TimeoutCase{"FromTheAcceptanceNotTheConfirmation", kHold, "K.L....", "...!!!!"},
-                    TimeoutCase{"SignsBeforeTheConfirmationCount", kHold, "K.bL....", ".....!!!"},
-                    TimeoutCase{"ConfirmedWhenItsWriterWasSilentTooLong", kHold, "K...A.L", "......!"},
-                    TimeoutCase{"StopIsNotWatched", kHold, "A.S.....", "........"},
-                    TimeoutCase{"StopOfAnotherIsNotWatched", kHold, "A.T.....", "........"},
-                    TimeoutCase{"AStandstillIsNoStop", kHold, "A10....", "...!!!!"},
-                    TimeoutCase{"FaultResetIsNoStop", kHold, "m....", "...!!"},
-                    TimeoutCase{"SetPointsAloneAreNotWatched", kHold, "p.....", "......"},
-                    TimeoutCase{"SessionEnds", kHold, "A.e.....", "........"}),
-    name_of_case);
+    testing::Values(TimeoutCase{"NobodyCommanded", OnTimeout::hold, "ab......", "........"},
+                    TimeoutCase{"Silent", OnTimeout::hold, "A......", "...!!!!"},
+                    TimeoutCase{"OwnSignsOfLife", OnTimeout::hold, "A.a..a..p....", "...........!!"},
+                    TimeoutCase{"SignsOfOthersDoNotHelp", OnTimeout::hold, "A.b.q.b", "...!!!!"},
+                    TimeoutCase{"TheLastConfirmedWriterCounts", OnTimeout::hold, "A.B.a.a", ".....!!"},
+                    TimeoutCase{"NotOneWhoseCommandIsNotConfirmed", OnTimeout::hold, "A.K.b.b", "...!!!!"},
+                    TimeoutCase{"FromTheAcceptanceNotTheConfirmation", OnTimeout::hold, "K.L....", "...!!!!"},
+                    TimeoutCase{"SignsBeforeTheConfirmationCount", OnTimeout::hold, "K.bL....", ".....!!!"},
+                    TimeoutCase{"ConfirmedWhenItsWriterWasSilentTooLong", OnTimeout::hold, "K...A.L", "......!"},
+                    TimeoutCase{"StopIsNotWatched", OnTimeout::hold, "A.S.....", "........"},
+                    TimeoutCase{"StopOfAnotherIsNotWatched", OnTimeout::hold, "A.T.....", "........"},
+                    TimeoutCase{"AStandstillIsNoStop", OnTimeout::hold, "A10....", "...!!!!"},
+                    TimeoutCase{"FaultResetIsNoStop", OnTimeout::hold, "m....", "...!!"},
+                    TimeoutCase{"SetPointsAloneAreNotWatched", OnTimeout::hold, "p.....", "......"},
+                    TimeoutCase{"SessionEnds", OnTimeout::hold, "A.e.....", "........"}),
+    test::row_name<TimeoutCase>);
 
-INSTANTIATE_TEST_SUITE_P(Takeover, TimeoutCases,
-                         testing::Values(TimeoutCase{"Running", kHold, "r.....", "...!!!"},
-                                         TimeoutCase{"AnyWriterLives", kHold, "r.a.b.q....", ".........!!"},
-                                         TimeoutCase{"KnownToRunLater", kHold, "u.1...", "...!!!"},
-                                         TimeoutCase{"FoundStanding", kHold, "u.0..1..", "........"},
-                                         TimeoutCase{"NobodyKnows", kHold, "u.......", "........"},
-                                         TimeoutCase{"ComesToAStop", kHold, "r.0.....", "........"},
-                                         TimeoutCase{"AWriterTakesCharge", kHold, "r.A.b.b", ".....!!"},
-                                         TimeoutCase{"LostAgain", kHold, "r.e.....", "........"},
-                                         TimeoutCase{"AWriterTookChargeBeforeItWasKnownToRun", kHold, "u.A1b...",
-                                                     ".....!!!"},
-                                         TimeoutCase{"LostBeforeItWasKnownToRun", kHold, "ue1.....", "........"},
-                                         TimeoutCase{"BackBeforeItActed", kHold, "A.er....", "......!!"},
-                                         TimeoutCase{"BackAfterItActed", kCease, "A...er.......", "...C!!!!!!!!!"}),
-                         name_of_case);
+INSTANTIATE_TEST_SUITE_P(
+    Takeover, TimeoutCases,
+    testing::Values(TimeoutCase{"Running", OnTimeout::hold, "r.....", "...!!!"},
+                    TimeoutCase{"AnyWriterLives", OnTimeout::hold, "r.a.b.q....", ".........!!"},
+                    TimeoutCase{"KnownToRunLater", OnTimeout::hold, "u.1...", "...!!!"},
+                    TimeoutCase{"FoundStanding", OnTimeout::hold, "u.0..1..", "........"},
+                    TimeoutCase{"NobodyKnows", OnTimeout::hold, "u.......", "........"},
+                    TimeoutCase{"ComesToAStop", OnTimeout::hold, "r.0.....", "........"},
+                    TimeoutCase{"AWriterTakesCharge", OnTimeout::hold, "r.A.b.b", ".....!!"},
+                    TimeoutCase{"LostAgain", OnTimeout::hold, "r.e.....", "........"},
+                    TimeoutCase{"AWriterTookChargeBeforeItWasKnownToRun", OnTimeout::hold, "u.A1b...", ".....!!!"},
+                    TimeoutCase{"LostBeforeItWasKnownToRun", OnTimeout::hold, "ue1.....", "........"},
+                    TimeoutCase{"BackBeforeItActed", OnTimeout::hold, "A.er....", "......!!"},
+                    TimeoutCase{"BackAfterItActed", OnTimeout::cease, "A...er.......", "...C!!!!!!!!!"}),
+    test::row_name<TimeoutCase>);
 
 INSTANTIATE_TEST_SUITE_P(
     End, TimeoutCases,
-    testing::Values(TimeoutCase{"SignsOfLifeEndNothing", kHold, "A...ab.a", "...!!!!!"},
-                    TimeoutCase{"SetPointsEndNothing", kHold, "A...p.q.", "...!!!!!"},
-                    TimeoutCase{"NorDoesTheEndOfTheSession", kHold, "A...e...", "...!!!!!"},
-                    TimeoutCase{"AcceptedCommandEndsIt", kHold, "A....B..b", "...!!...."},
-                    TimeoutCase{"StopEndsIt", kHold, "A....T......", "...!!......."},
-                    TimeoutCase{"WhoEndedItIsWatchedThoughHisCommandFailed", kHold, "A....K.a..b", "...!!...!!!"},
-                    TimeoutCase{"NobodyIsWatchedWhereTheDriveHoldsAStop", kValues, "A...sK......", "...W!......."},
-                    TimeoutCase{"NorWhereItWasTakenOverAndStopped", kCease, "A...er0K....", "...C!!!....."},
-                    TimeoutCase{"ButWhereItStillRuns", kCease, "A...er.K....", "...C!!!...C!"},
-                    TimeoutCase{"EarlierCommandConfirmedLate", kCease, "A.K.L...", "...C!C!!"}),
-    name_of_case);
+    testing::Values(
+        TimeoutCase{"SignsOfLifeEndNothing", OnTimeout::hold, "A...ab.a", "...!!!!!"},
+        TimeoutCase{"SetPointsEndNothing", OnTimeout::hold, "A...p.q.", "...!!!!!"},
+        TimeoutCase{"NorDoesTheEndOfTheSession", OnTimeout::hold, "A...e...", "...!!!!!"},
+        TimeoutCase{"AcceptedCommandEndsIt", OnTimeout::hold, "A....B..b", "...!!...."},
+        TimeoutCase{"StopEndsIt", OnTimeout::hold, "A....T......", "...!!......."},
+        TimeoutCase{"WhoEndedItIsWatchedThoughHisCommandFailed", OnTimeout::hold, "A....K.a..b", "...!!...!!!"},
+        TimeoutCase{"NobodyIsWatchedWhereTheDriveHoldsAStop", OnTimeout::values, "A...sK......", "...W!......."},
+        TimeoutCase{"NorWhereItWasTakenOverAndStopped", OnTimeout::cease, "A...er0K....", "...C!!!....."},
+        TimeoutCase{"ButWhereItStillRuns", OnTimeout::cease, "A...er.K....", "...C!!!...C!"},
+        TimeoutCase{"EarlierCommandConfirmedLate", OnTimeout::cease, "A.K.L...", "...C!C!!"}),
+    test::row_name<TimeoutCase>);
 
 INSTANTIATE_TEST_SUITE_P(
     Actions, TimeoutCases,
-    testing::Values(TimeoutCase{"HoldShowsOnly", kHold, "A.....", "...!!!"},
-                    TimeoutCase{"CeaseOnce", kCease, "A.....", "...C!!"},
-                    TimeoutCase{"CeaseAgainForTheNext", kCease, "A....B....", "...C!...C!"},
-                    TimeoutCase{"ValuesOnceWhereConfirmed", kValues, "A...+...", "...W!!!!"},
-                    TimeoutCase{"ValuesEachSecondWhereNot", kValues, "A...---+...", "...WWWW!!!!"},
-                    TimeoutCase{"NotWhileTheLastIsNotAnswered", kValues, "A.....-.+..", "...W!!W!!!!"},
-                    TimeoutCase{"UntilACommandIsAccepted", kValues, "A...-B.b.b", "...WW....."},
-                    TimeoutCase{"ThoughTheLastAttemptIsAnsweredLater", kValues, "A...-J-a.a", "...WW....."},
-                    TimeoutCase{"NotUntilASetPointIsAccepted", kValues, "A...-p-+", "...WW!W!"},
-                    TimeoutCase{"GivenUpWithTheSession", kValues, "A...-e-...", "...WW!!!!!"},
-                    TimeoutCase{"NoValuesForADriveThatComesBack", kValues, "A...-e-r.1....", "...WW!!!!!!!!!"},
-                    TimeoutCase{"LateFailureIsNotOfTheNextTime", kValues, "A....B....-+.", "...W!...!!W!!"},
-                    TimeoutCase{"NorIsALateConfirmation", kValues, "A....B....+.-+.", "...W!...!!W!W!!"}),
-    name_of_case);
+    testing::Values(TimeoutCase{"HoldShowsOnly", OnTimeout::hold, "A.....", "...!!!"},
+                    TimeoutCase{"CeaseOnce", OnTimeout::cease, "A.....", "...C!!"},
+                    TimeoutCase{"CeaseAgainForTheNext", OnTimeout::cease, "A....B....", "...C!...C!"},
+                    TimeoutCase{"ValuesOnceWhereConfirmed", OnTimeout::values, "A...+...", "...W!!!!"},
+                    TimeoutCase{"ValuesEachSecondWhereNot", OnTimeout::values, "A...---+...", "...WWWW!!!!"},
+                    TimeoutCase{"NotWhileTheLastIsNotAnswered", OnTimeout::values, "A.....-.+..", "...W!!W!!!!"},
+                    TimeoutCase{"UntilACommandIsAccepted", OnTimeout::values, "A...-B.b.b", "...WW....."},
+                    TimeoutCase{"ThoughTheLastAttemptIsAnsweredLater", OnTimeout::values, "A...-J-a.a", "...WW....."},
+                    TimeoutCase{"NotUntilASetPointIsAccepted", OnTimeout::values, "A...-p-+", "...WW!W!"},
+                    TimeoutCase{"GivenUpWithTheSession", OnTimeout::values, "A...-e-...", "...WW!!!!!"},
+                    TimeoutCase{"NoValuesForADriveThatComesBack", OnTimeout::values, "A...-e-r.1....",
+                                "...WW!!!!!!!!!"},
+                    TimeoutCase{"LateFailureIsNotOfTheNextTime", OnTimeout::values, "A....B....-+.", "...W!...!!W!!"},
+                    TimeoutCase{"NorIsALateConfirmation", OnTimeout::values, "A....B....+.-+.", "...W!...!!W!W!!"}),
+    test::row_name<TimeoutCase>);
 
 TEST(CommandTimeout, WithoutTimeNothingIsWatched) {
-  Course course(0s, OnTimeout::values);
+  TimeoutCourse course(0s, OnTimeout::values);
   EXPECT_EQ(course.run("A.....r.u1...e"), "..............");
   EXPECT_EQ(course.timeout().next_time(), canopen::kNever);
 }
 
 TEST(CommandTimeout, NextTimeIsTheEndOfTheSilenceThenTheNextAttempt) {
-  Course course(2500ms, OnTimeout::values);
+  TimeoutCourse course(2500ms, OnTimeout::values);
   const auto start = course.now();
   course.run("A.a");
   EXPECT_EQ(course.timeout().next_time(), start + 4500ms);
@@ -233,7 +225,7 @@ TEST(CommandTimeout, NextTimeIsTheEndOfTheSilenceThenTheNextAttempt) {
 }
 
 TEST(CommandTimeout, AfterAStandstillOfTheProcessWhatWaitsIsReadFirst) {
-  Course course(2s, OnTimeout::cease);
+  TimeoutCourse course(2s, OnTimeout::cease);
   const auto start = course.now();
   course.run("A");
   EXPECT_EQ(course.timeout().expire(start + 5s), CommandTimeout::Action::none);
@@ -242,8 +234,8 @@ TEST(CommandTimeout, AfterAStandstillOfTheProcessWhatWaitsIsReadFirst) {
   EXPECT_GT(again, start + 5s);
   EXPECT_LE(again, start + 5100ms);
 
-  Course lives = course;
-  lives.timeout().on_sign_of_life(kPlc, start + 5s);
+  TimeoutCourse lives = course;
+  lives.timeout().on_sign_of_life(test::kPlc, start + 5s);
   EXPECT_EQ(lives.timeout().next_time(), start + 7s);
   EXPECT_EQ(lives.timeout().expire(again), CommandTimeout::Action::none);
   EXPECT_FALSE(lives.timeout().acted());
@@ -251,31 +243,35 @@ TEST(CommandTimeout, AfterAStandstillOfTheProcessWhatWaitsIsReadFirst) {
   EXPECT_EQ(course.timeout().expire(start + 9s), CommandTimeout::Action::cease) << "once only, however late";
 }
 
-std::string alarm_after(OnTimeout on_timeout, const std::string& course) {
-  Course played(2s, on_timeout);
+std::string timeout_alarm_after(OnTimeout on_timeout, const std::string& course) {
+  TimeoutCourse played(2s, on_timeout);
   played.run(course);
   const auto alarm = played.timeout().alarm();
   return alarm ? std::string(name_of(alarm->reason)) + ": " + alarm->text : "";
 }
 
 TEST(CommandTimeout, AlarmSaysWhoseSilenceAndWhatBecameOfIt) {
-  EXPECT_EQ(alarm_after(kHold, "A."), "");
-  EXPECT_EQ(alarm_after(kHold, "A.."), "timeout: no sign of life of modbus 192.0.2.7 for 2s: the drive goes on");
-  EXPECT_EQ(alarm_after(kCease, "B.."), "timeout: no sign of life of mqtt for 2s: RPDOs are repeated no more");
-  EXPECT_EQ(alarm_after(kHold, "r.."), "timeout: no sign of life of any writer for 2s: the drive goes on");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::hold, "A."), "");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::hold, "A.."),
+            "timeout: no sign of life of modbus 192.0.2.7 for 2s: the drive goes on");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::cease, "B.."),
+            "timeout: no sign of life of mqtt for 2s: RPDOs are repeated no more");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::hold, "r.."),
+            "timeout: no sign of life of any writer for 2s: the drive goes on");
   const std::string silence = "no sign of life of modbus 192.0.2.7 for 2s: ";
-  EXPECT_EQ(alarm_after(kValues, "A.."), "timeout: " + silence + "its values are being written");
-  EXPECT_EQ(alarm_after(kValues, "A..+"), "timeout: " + silence + "its values were written");
-  EXPECT_EQ(alarm_after(kValues, "A..-"),
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A.."), "timeout: " + silence + "its values are being written");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..+"), "timeout: " + silence + "its values were written");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..-"),
             "timeout-failed: " + silence + "its values are not confirmed: refused by the drive");
-  EXPECT_EQ(alarm_after(kValues, "A..-+"), "timeout: " + silence + "its values were written");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..-+"), "timeout: " + silence + "its values were written");
   const std::string given_up =
       "its values are not confirmed, and given up since the drive was lost or left operational";
-  EXPECT_EQ(alarm_after(kValues, "A..e"), "timeout-failed: " + silence + given_up);
-  EXPECT_EQ(alarm_after(kValues, "A..-e"), "timeout-failed: " + silence + given_up);
-  EXPECT_EQ(alarm_after(kValues, "A..+e"), "timeout: " + silence + "its values were written");
-  EXPECT_EQ(alarm_after(kValues, "A..-J"), "");
-  EXPECT_EQ(alarm_after(kValues, "A..-J-.."), "timeout: " + silence + "its values are being written") << "the next";
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..e"), "timeout-failed: " + silence + given_up);
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..-e"), "timeout-failed: " + silence + given_up);
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..+e"), "timeout: " + silence + "its values were written");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..-J"), "");
+  EXPECT_EQ(timeout_alarm_after(OnTimeout::values, "A..-J-.."), "timeout: " + silence + "its values are being written")
+      << "the next";
 }
 
 }  // namespace

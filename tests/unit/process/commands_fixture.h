@@ -34,7 +34,7 @@ class CommandsTest : public DriveBench {
     EXPECT_EQ(sdo_writes(), Objects{test::kFrequency});
     EXPECT_EQ(slave_.value(test::kFrequency), 2000U);
   }
-  /// A run command is given, waits behind a slow write, and leaves after a fault.
+  /// A run command is given and waits behind a slow write while a fault comes: it is not sent.
   void run_command_waits_while_a_fault_comes() {
     using namespace std::chrono_literals;
     show(test::kRunningBit);
@@ -45,8 +45,10 @@ class CommandsTest : public DriveBench {
     run(20ms);
     emcy(0x0004, 0x01);
     ASSERT_TRUE(finish(slow, 300ms).has_value());
-    ASSERT_TRUE(finish(run_command, 300ms).has_value());
+    expect_refused(finish(run_command, 300ms), ErrorKind::voided);
     slave_.delay_answers(0ms);
+    EXPECT_TRUE(rpdos().empty());
+    EXPECT_EQ(sdo_writes(), Objects{test::kLimit});
   }
   void expect_setpoint_rides_on_rpdo() {
     slave_.forget_heard();

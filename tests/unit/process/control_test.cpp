@@ -6,13 +6,12 @@
 
 #include <chrono>
 
+#include "tests/unit/process/control_cases.h"
+
 namespace process {
 namespace {
 
 using namespace std::chrono_literals;
-
-const Writer kPlc{.way = Writer::Way::modbus, .address = "192.0.2.7"};
-const Writer kPanel{.way = Writer::Way::modbus, .address = "192.0.2.8"};
 
 class ControlTest : public testing::Test {
  protected:
@@ -48,31 +47,31 @@ TEST_F(ControlTest, NobodyAtFirst) {
 
 TEST_F(ControlTest, ReadingKeepsAMotorRunningButNobodyAway) {
   Control control({.lease = 5s, .timeout = 2s});
-  give(control, kPlc, ControlUse::run, 0s);
+  give(control, test::kPlc, ControlUse::run, 0s);
   for (auto at = 1s; at <= 10s; ++at) {
-    control.on_sign_of_life(kPlc, start_ + at);
+    control.on_sign_of_life(test::kPlc, start_ + at);
     run_to(control, at);
   }
   EXPECT_FALSE(control.state().timeout);
   EXPECT_FALSE(control.state().holder) << "ended after 5 s without an accepted command";
-  EXPECT_FALSE(control.refuse(kPanel, ControlUse::run, start_ + 10s));
+  EXPECT_FALSE(control.refuse(test::kPanel, ControlUse::run, start_ + 10s));
 }
 
 TEST_F(ControlTest, RefusedCommandOfTheHolderIsASignOfLifeByItsRequestOnly) {
   Control control({.lease = 5s, .timeout = 2s, .on_timeout = OnTimeout::cease});
-  give(control, kPlc, ControlUse::run, 0s);
-  EXPECT_TRUE(control.refuse(kPanel, ControlUse::run, start_ + 1s));
-  control.on_sign_of_life(kPanel, start_ + 1s);
+  give(control, test::kPlc, ControlUse::run, 0s);
+  EXPECT_TRUE(control.refuse(test::kPanel, ControlUse::run, start_ + 1s));
+  control.on_sign_of_life(test::kPanel, start_ + 1s);
   EXPECT_EQ(run_to(control, 2s), CommandTimeout::Action::cease);
   EXPECT_TRUE(control.state().timeout);
-  EXPECT_EQ(control.state().holder, kPlc) << "his lease goes on";
+  EXPECT_EQ(control.state().holder, test::kPlc) << "his lease goes on";
 }
 
 TEST_F(ControlTest, LeaseIsShownFromTakingToItsEnd) {
   Control control({.lease = 5s});
   const auto wall = canopen::wall_now();
-  give(control, kPlc, ControlUse::run, 0s);
-  EXPECT_EQ(control.state(), (ControlState{.holder = kPlc, .since = wall, .timeout = false, .alarm = {}}));
+  give(control, test::kPlc, ControlUse::run, 0s);
+  EXPECT_EQ(control.state(), (ControlState{.holder = test::kPlc, .since = wall, .timeout = false, .alarm = {}}));
   EXPECT_EQ(control.next_time(), start_ + 5s);
   run_to(control, 5s);
   EXPECT_EQ(control.state(), ControlState{});
@@ -80,18 +79,18 @@ TEST_F(ControlTest, LeaseIsShownFromTakingToItsEnd) {
 
 TEST_F(ControlTest, ForeignStopEndsTheWatchAndTheHolderHasToStopHimself) {
   Control control({.lease = 1min, .timeout = 2s});
-  give(control, kPlc, ControlUse::run, 0s);
-  give(control, kPanel, ControlUse::stop, 1s);
+  give(control, test::kPlc, ControlUse::run, 0s);
+  give(control, test::kPanel, ControlUse::stop, 1s);
   run_to(control, 30s);
   EXPECT_FALSE(control.state().timeout);
-  EXPECT_TRUE(control.refuse(kPlc, ControlUse::run, start_ + 30s));
-  give(control, kPlc, ControlUse::stop, 31s);
-  give(control, kPlc, ControlUse::run, 32s);
+  EXPECT_TRUE(control.refuse(test::kPlc, ControlUse::run, start_ + 30s));
+  give(control, test::kPlc, ControlUse::stop, 31s);
+  give(control, test::kPlc, ControlUse::run, 32s);
 }
 
 TEST_F(ControlTest, LostDriveThatComesBackGetsNoValues) {
   Control control({.timeout = 2s, .on_timeout = OnTimeout::values});
-  give(control, kPlc, ControlUse::run, 0s);
+  give(control, test::kPlc, ControlUse::run, 0s);
   EXPECT_EQ(run_to(control, 2s), CommandTimeout::Action::write_values);
   control.on_values_failed("no answer", start_ + 2500ms);
   control.on_session_end();
@@ -101,14 +100,14 @@ TEST_F(ControlTest, LostDriveThatComesBackGetsNoValues) {
   EXPECT_EQ(run_to(control, 1h), CommandTimeout::Action::none);
   ASSERT_TRUE(control.state().alarm);
   EXPECT_EQ(control.state().alarm->reason, ControlReason::timeout_failed);
-  give(control, kPlc, ControlUse::run, 2h);
+  give(control, test::kPlc, ControlUse::run, 2h);
   EXPECT_EQ(control.state(), ControlState{});
 }
 
 TEST_F(ControlTest, FeedbackIsAnAlarmUntilTheMotorRuns) {
   Control control({.feedback = 3s});
   control.on_running(false, start_);
-  give(control, kPlc, ControlUse::run, 0s);
+  give(control, test::kPlc, ControlUse::run, 0s);
   run_to(control, 2999ms);
   EXPECT_FALSE(control.state().alarm);
   run_to(control, 3s);
@@ -122,11 +121,11 @@ TEST_F(ControlTest, FeedbackIsAnAlarmUntilTheMotorRuns) {
 TEST_F(ControlTest, TimeoutGoesBeforeFeedback) {
   Control control({.timeout = 5s, .feedback = 3s});
   control.on_running(false, start_);
-  give(control, kPlc, ControlUse::run, 0s);
+  give(control, test::kPlc, ControlUse::run, 0s);
   run_to(control, 5s);
   ASSERT_TRUE(control.state().alarm);
   EXPECT_EQ(control.state().alarm->reason, ControlReason::timeout);
-  control.on_accepted(kPanel, ControlUse::run, start_ + 6s);
+  control.on_accepted(test::kPanel, ControlUse::run, start_ + 6s);
   ASSERT_TRUE(control.state().alarm);
   EXPECT_EQ(control.state().alarm->reason, ControlReason::feedback);
   control.on_session_end();

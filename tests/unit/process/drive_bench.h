@@ -25,7 +25,9 @@ class RecordedObserver final : public Observer {
   void on_values(const Drive&, std::span<const SignalId> signals) override { add(values, signals); }
   void on_freshness(const Drive&, std::span<const SignalId> signals) override { add(stale, signals); }
   void on_commanded(const Drive&, std::span<const SignalId> signals) override { add(commanded, signals); }
-  void on_outcome_unknown(const Drive&, std::span<const SignalId> signals) override { add(unknown, signals); }
+  void on_command_done(const Drive&, const CommandRecord& record, const Outcome& outcome) override {
+    answers.emplace_back(record, outcome);
+  }
   void on_status(const Drive&) override { ++statuses; }
   void on_alarm(const Drive&, AlarmKind kind) override { alarms.push_back(kind); }
   void on_bus(std::size_t bus) override { buses.push_back(bus); }
@@ -34,7 +36,7 @@ class RecordedObserver final : public Observer {
   std::vector<std::vector<SignalId>> values;
   std::vector<std::vector<SignalId>> stale;
   std::vector<std::vector<SignalId>> commanded;
-  std::vector<std::vector<SignalId>> unknown;
+  std::vector<std::pair<CommandRecord, Outcome>> answers;
   int statuses = 0;
   std::vector<AlarmKind> alarms;
   std::vector<std::size_t> buses;

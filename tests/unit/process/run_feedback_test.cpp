@@ -7,6 +7,8 @@
 #include <chrono>
 #include <string>
 
+#include "tests/unit/process/control_cases.h"
+
 namespace process {
 namespace {
 
@@ -21,11 +23,7 @@ struct FeedbackCase {
   std::string failed;
 };
 
-std::string name_of_case(const testing::TestParamInfo<FeedbackCase>& info) {
-  return info.param.name;
-}
-
-void happen(RunFeedback& feedback, char what, canopen::TimePoint now) {
+void tell_feedback(RunFeedback& feedback, char what, canopen::TimePoint now) {
   switch (what) {
     case 'r':
       return feedback.on_confirmed(ControlUse::run, now);
@@ -48,11 +46,11 @@ void happen(RunFeedback& feedback, char what, canopen::TimePoint now) {
   }
 }
 
-std::string course_of(RunFeedback& feedback, const std::string& course) {
+std::string feedback_course(RunFeedback& feedback, const std::string& course) {
   std::string failed;
   canopen::TimePoint now{1h};
   for (const char what : course) {
-    happen(feedback, what, now);
+    tell_feedback(feedback, what, now);
     if (now >= feedback.next_time()) {
       feedback.expire(now);
     }
@@ -66,7 +64,7 @@ class RunFeedbackCases : public testing::TestWithParam<FeedbackCase> {};
 
 TEST_P(RunFeedbackCases, FailsAndEnds) {
   RunFeedback feedback(2s);
-  EXPECT_EQ(course_of(feedback, GetParam().course), GetParam().failed);
+  EXPECT_EQ(feedback_course(feedback, GetParam().course), GetParam().failed);
 }
 
 INSTANTIATE_TEST_SUITE_P(Courses, RunFeedbackCases,
@@ -86,11 +84,11 @@ INSTANTIATE_TEST_SUITE_P(Courses, RunFeedbackCases,
                                          FeedbackCase{"RanDownAndDidNotFollow", "1r0....", "...!!!!"},    //
                                          FeedbackCase{"AgainAfterItsEnd", "0r..s.r...", "...!....!!"},    //
                                          FeedbackCase{"StoppedItselfAndRunRepeated", "0r1.0.r...", "........!!"}),
-                         name_of_case);
+                         test::row_name<FeedbackCase>);
 
 TEST(RunFeedback, WithoutTimeNothingIsAwaited) {
   RunFeedback feedback(0s);
-  EXPECT_EQ(course_of(feedback, "0r......"), "........");
+  EXPECT_EQ(feedback_course(feedback, "0r......"), "........");
   EXPECT_EQ(feedback.next_time(), canopen::kNever);
 }
 

@@ -95,6 +95,8 @@ config::Drive drive() {
   drive.faults.drive_texts = {{0x04, {"Overcurrent during acceleration", config::Severity::fault}},
                               {0x05, {"Overcurrent during deceleration", config::Severity::fault}},
                               {0x40, {"Undervoltage while stopped", config::Severity::warning}}};
+  drive.node.motor.control = test::kControl;
+  drive.node.motor.stops = {{.equals = 5}};
   drive.commands.writers = {.modbus = true, .mqtt = true, .local = true};
   return drive;
 }

@@ -201,41 +201,57 @@ TEST_F(CommandsTest, FaultWhileAnSdoWriteIsUnderWayDoesNotReviveKnowledge) {
   EXPECT_TRUE(rpdos().empty()) << "the run command was given before the fault";
 }
 
-TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotKept) {
+TEST_F(CommandsTest, CommandGivenBeforeAFaultIsNotSentAfterIt) {
   bring_online();
   run_command_waits_while_a_fault_comes();
   expect_setpoint_goes_alone();
 }
 
-TEST_F(CommandsTest, CommandGivenBeforeAFaultAndSentAfterItIsNotRepeated) {
+TEST_F(CommandsTest, AnUncommandedStandstillIsRepeatedAsAStop) {
   // The drive supervises this RPDO, so it is repeated.
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
-  run_command_waits_while_a_fault_comes();
-  ASSERT_EQ(rpdos().size(), 1U);
+  run_motor();
+  show(0);  // Stopped at the drive's keypad.
+  slave_.forget_heard();
+  run(350ms);
+  ASSERT_GE(rpdos().size(), 3U) << "it would trip";
+  show(test::kRunningBit);  // Started at the keypad; then back to remote.
+  run(350ms);
+  for (const Bytes& rpdo : rpdos()) {
+    EXPECT_EQ(rpdo, (Bytes{5, 0, 0xB8, 0x0B, 0, 0})) << "nobody commanded a start since";
+  }
+}
+
+TEST_F(CommandsTest, WithoutAKnownStopAnUncommandedStandstillEndsTheRepetition) {
+  model_.node.motor.stops.clear();
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online();
+  run_motor();
+  show(0);
+  slave_.forget_heard();
   run(2s);
-  EXPECT_EQ(rpdos().size(), 1U) << "it would start the motor once the fault is reset at the drive";
+  EXPECT_TRUE(rpdos().empty());
 }
 
 TEST_F(CommandsTest, RepetitionDoesNotBringBackWhatAnSdoWriteIsJustChanging) {
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
   run_motor();
-  show(0);  // Standstill: nothing is known, but the RPDO goes on.
-  show(test::kRunningBit);
+  show(0);  // Standstill: the control command does not count, but the RPDO goes on with a stop.
   slave_.forget_heard();
   run(150ms);
   ASSERT_FALSE(rpdos().empty());
   slave_.delay_answers(80ms);
   slave_.forget_heard();
-  const auto stop_command = write({field("control_command", Raw{5})});
+  const auto slower = write({field("frequency_command", 10.0)});
   run(75ms);
-  EXPECT_TRUE(rpdos().empty()) << "still with the run command";
-  ASSERT_TRUE(finish(stop_command, 20ms).has_value());
+  EXPECT_TRUE(rpdos().empty()) << "still with the frequency of before";
+  ASSERT_TRUE(finish(slower, 20ms).has_value());
   slave_.forget_heard();
   run(250ms);
   ASSERT_FALSE(rpdos().empty());
-  EXPECT_EQ(rpdos().front()[0], 5);
+  EXPECT_EQ(rpdos().front(), (Bytes{5, 0, 0xE8, 0x03, 0, 0}));
 }
 
 TEST_F(CommandsTest, QuickStopMakesEarlierCommandsVoidAndEndsTheirRepetition) {
@@ -253,6 +269,7 @@ TEST_F(CommandsTest, QuickStopMakesEarlierCommandsVoidAndEndsTheirRepetition) {
 }
 
 TEST_F(CommandsTest, ACommandedQuickStopGoesOnBeingRepeated) {
+  model_.node.motor.stops = {{.mask = 0xF884, .equals = 0}};
   model_.signals.push_back(test::bit("quick_stop_active", 0, kQuickStopBit));
   model_.faults.quick_stop = model_.find("quick_stop_active");
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
@@ -280,7 +297,7 @@ TEST_F(CommandsTest, ARowOfSdoWritesHoldsBackOneRepetitionAtMost) {
   EXPECT_GE(rpdos().size(), 3U) << "it trips after 300 ms of silence";
 }
 
-TEST_F(CommandsTest, WhatWasConfirmedAfterTheDriveLeftOperationalIsToldAsUnknown) {
+TEST_F(CommandsTest, WhatWasConfirmedAfterTheDriveLeftOperationalDoesNotCount) {
   bring_online();
   show(0);
   slave_.delay_answers(50ms);
@@ -289,16 +306,20 @@ TEST_F(CommandsTest, WhatWasConfirmedAfterTheDriveLeftOperationalIsToldAsUnknown
   slave_.set_state(127);
   slave_.send(0x705, {127});
   ASSERT_TRUE(finish(control, 100ms).has_value()) << "it had left already";
-  EXPECT_EQ(observer_.unknown, (std::vector<std::vector<SignalId>>{{signal("control_command")}}));
+  EXPECT_FALSE(drive_->commanded().counts(signal("control_command")));
+  EXPECT_EQ(drive_->commanded().shown(signal("control_command")), 1U);
 }
 
-TEST_F(CommandsTest, TellsOfWhichSignalsTheOutcomeIsUnknown) {
+TEST_F(CommandsTest, WhatHasAnUnknownOutcomeDoesNotCount) {
   bring_online();
+  run_motor();
   slave_.delay_answers(5s);
-  const auto control = write({field("control_command", Raw{1})});
+  show(0);
+  const auto control = write({field("frequency_command", 10.0)});
   ASSERT_TRUE(finish(control, 900ms).has_error());
   ASSERT_TRUE(control.get().error().outcome_unknown);
-  EXPECT_EQ(observer_.unknown, (std::vector<std::vector<SignalId>>{{signal("control_command")}}));
+  EXPECT_FALSE(drive_->commanded().counts(signal("frequency_command")));
+  EXPECT_TRUE(drive_->commanded().doubtful_at(signal("frequency_command")));
 }
 
 }  // namespace

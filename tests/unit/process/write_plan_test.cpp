@@ -32,10 +32,10 @@ TEST_F(CommandsTest, FieldsWrittenTogetherCompleteAnRpdo) {
 
 TEST_F(CommandsTest, ConfirmedValuesAreShownAndTold) {
   bring_online();
-  EXPECT_EQ(drive_->image().commanded(signal("frequency_command")), 0U);
+  EXPECT_EQ(drive_->commanded().shown(signal("frequency_command")), 0U);
   ASSERT_TRUE(write_all(1, 30.0).has_value());
-  EXPECT_EQ(drive_->image().commanded(signal("frequency_command")), 3000U);
-  EXPECT_EQ(drive_->image().commanded(signal("control_command")), 1U);
+  EXPECT_EQ(drive_->commanded().shown(signal("frequency_command")), 3000U);
+  EXPECT_EQ(drive_->commanded().shown(signal("control_command")), 1U);
   ASSERT_EQ(observer_.commanded.size(), 1U);
   EXPECT_EQ(observer_.commanded[0],
             (std::vector<SignalId>{signal("control_command"), signal("frequency_command"), signal("torque_command")}));
@@ -47,7 +47,7 @@ TEST_F(CommandsTest, RefusedWriteChangesNoCommandedValue) {
   const Outcome outcome = write_now({field("frequency_command", 10.0)});
   expect_refused(outcome, ErrorKind::refused);
   EXPECT_EQ(outcome.error().abort, 0x08000022U);
-  EXPECT_EQ(drive_->image().commanded(signal("frequency_command")), 0U);
+  EXPECT_EQ(drive_->commanded().shown(signal("frequency_command")), 0U);
   EXPECT_TRUE(observer_.commanded.empty());
 }
 
@@ -83,8 +83,8 @@ TEST_F(CommandsTest, StopsAtTheFirstFailureAndNamesWhatWasWritten) {
   EXPECT_EQ(outcome.error().abort, 0x06090031U);
   EXPECT_NE(outcome.error().detail.find("already written: upper_limit"), std::string::npos);
   EXPECT_EQ(sdo_writes(), (Objects{test::kLimit, test::kFrequency}));
-  EXPECT_EQ(drive_->image().commanded(signal("upper_limit")), 4000U);
-  EXPECT_EQ(drive_->image().commanded(signal("control_command")), 0U);
+  EXPECT_EQ(drive_->commanded().shown(signal("upper_limit")), 4000U);
+  EXPECT_EQ(drive_->commanded().shown(signal("control_command")), 0U);
 }
 
 TEST_F(CommandsTest, TheLastOfTwoValuesForOneSignalCounts) {

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <vector>
+
+#include "bridges/process/command.h"
+#include "bridges/process/plant.h"
+#include "canopen/error.h"
+
+namespace process {
+
+/// A drive that a stop for all did not stop, as far as anybody knows.
+struct NotStopped {
+  std::size_t drive = 0;  ///< Position in the plant.
+  canopen::Error error;   ///< `unknown` where no stop value of it is known.
+};
+
+/// One stop for all: the first stop value of its profile to every drive in service that takes commands of this writer,
+/// to all of them at once. Returns when each has answered, at the latest after the longest of their deadlines. Tells
+/// those that did not confirm; drives that do not name the writer are left alone and not told. `plant` outlives the
+/// call.
+[[nodiscard]] boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin origin);
+
+}  // namespace process

@@ -1,0 +1,85 @@
+#include "daemon/control/answer.h"
+
+#include <utility>
+
+#include "bridges/mqtt/answers.h"
+#include "bridges/mqtt/json_text.h"
+
+namespace gateway::control {
+namespace {
+
+mqtt::ObjectText begin_answer(std::string& out, std::string_view id) {
+  mqtt::ObjectText object(out);
+  object.key("id") += id;
+  object.boolean("ok", true);
+  return object;
+}
+
+// The name of a command in journal and log, at the end of its answer.
+std::string with_command(std::string answer, const std::string& command) {
+  if (!command.empty()) {
+    answer.back() = ',';
+    mqtt::append_quoted(answer, "command");
+    answer += ':';
+    mqtt::append_quoted(answer, command);
+    answer += '}';
+  }
+  return answer;
+}
+
+}  // namespace
+
+std::string refusal(std::string_view id, const canopen::Error& error) {
+  return mqtt::sdo_answer({.id = std::string(id)}, error, canopen::DataType::u8).payload;
+}
+
+std::string told_outcome(std::string_view id, const process::Outcome& outcome) {
+  if (outcome.has_error()) {
+    return with_command(refusal(id, outcome.error()), outcome.id);
+  }
+  std::string out;
+  mqtt::ObjectText object = begin_answer(out, id);
+  if (outcome.unchanged) {
+    object.boolean("unchanged", true);
+  }
+  if (!outcome.note.empty()) {
+    object.text("note", outcome.note);
+  }
+  object.close();
+  return with_command(std::move(out), outcome.id);
+}
+
+std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw raw) {
+  return mqtt::sdo_answer({.id = std::string(id)}, std::optional<canopen::Raw>(raw), type).payload;
+}
+
+std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,
+                        std::span<const process::NotStopped> not_stopped) {
+  if (asked == 0) {
+    return refusal(id, {.kind = canopen::ErrorKind::forbidden,
+                        .detail = "no drive takes commands of the command line: none names \"local\" in writers"});
+  }
+  if (not_stopped.empty()) {
+    std::string out;
+    mqtt::ObjectText object = begin_answer(out, id);
+    object.integer("stopped", static_cast<std::int64_t>(asked));
+    object.close();
+    return out;
+  }
+  std::string names;
+  for (const process::NotStopped& each : not_stopped) {
+    names.append(names.empty() ? "" : "; ").append(plant.drive(each.drive).model().name).append(": ");
+    names += canopen::to_string(each.error);
+  }
+  return refusal(id, {.kind = not_stopped.front().error.kind, .detail = "not confirmed by all: " + names});
+}
+
+std::string told_status(std::string_view id, std::string_view status) {
+  std::string out;
+  mqtt::ObjectText object = begin_answer(out, id);
+  object.key("status") += status;
+  object.close();
+  return out;
+}
+
+}  // namespace gateway::control

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "daemon/options.h"
+
+// The commands of the program that go through the running daemon. Each returns its exit code: kDone, kFailed where the
+// gateway refused or cannot be reached, kUsage for arguments that make no request.
+
+namespace gateway::control {
+
+/// What all of them need to find the daemon.
+struct Reach {
+  Options options;
+  std::filesystem::path socket;  ///< Empty: the one of the configuration, else the usual one.
+};
+
+/// `set DRIVE SIGNAL=VALUE…`
+[[nodiscard]] int set(const Reach& reach, const std::string& drive, const std::vector<std::string>& assignments);
+
+/// `nmt DRIVE COMMAND`
+[[nodiscard]] int nmt(const Reach& reach, const std::string& drive, const std::string& command);
+
+/// `sdo read|write DRIVE INDEX:SUB [TYPE] [VALUE]`
+struct SdoOrder {
+  enum class Way : std::uint8_t { read, write };
+  Way way = Way::read;
+  std::string drive;
+  std::string object;
+  std::vector<std::string> words;  ///< What stands behind: type, value; of a write the last one is the value.
+};
+[[nodiscard]] int sdo(const Reach& reach, const SdoOrder& order);
+
+/// `status`: a table for people, or the JSON of the gateway.
+[[nodiscard]] int status(const Reach& reach, bool as_json);
+
+/// `stop`: every drive that takes commands of the command line gets its stop value.
+[[nodiscard]] int stop(const Reach& reach);
+
+}  // namespace gateway::control

@@ -1,0 +1,206 @@
+#include "daemon/control/plant_service.h"
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bridges/mqtt/command.h"
+#include "bridges/process/command_checks.h"
+#include "bridges/process/stop_all.h"
+#include "daemon/control/answer.h"
+#include "daemon/control/status_json.h"
+
+namespace gateway::control {
+namespace {
+
+using boost::asio::awaitable;
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Result;
+using mqtt::Scalar;
+using process::Drive;
+using process::Plant;
+
+process::Writer writer_of(const Asked& asked) {
+  return {.way = process::Writer::Way::local, .address = {}, .user = asked.user};
+}
+
+process::Origin origin_of(const Asked& asked) {
+  return {.writer = writer_of(asked), .received = asked.received};
+}
+
+Drive* find_drive(Plant& plant, std::string_view name) {
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    if (plant.drive(i).model().name == name) {
+      return &plant.drive(i);
+    }
+  }
+  return nullptr;
+}
+
+std::string no_drive(const Asked& asked) {
+  return refusal(asked.id, {.kind = ErrorKind::unknown, .detail = "no drive \"" + asked.request.drive + "\""});
+}
+
+// Who may not write is told that, and nothing else about his command.
+std::string refused(const Asked& asked, const Drive& drive, const Error& error) {
+  return refusal(asked.id, process::refuse_writer(drive.model(), writer_of(asked)).value_or(error));
+}
+
+Scalar text(const std::string& characters) {
+  return {Scalar::Kind::string, characters};
+}
+
+// The type of the signal with this object; nothing without one.
+std::optional<canopen::DataType> type_of(const config::Drive& drive, std::string_view object) {
+  const auto address = canopen::parse_object(object);
+  for (const config::Signal& signal : drive.signals) {
+    if (address && signal.object == *address && !signal.derived) {
+      return signal.type;
+    }
+  }
+  return std::nullopt;
+}
+
+Result<mqtt::SdoRequest> sdo_request_of(const config::Drive& drive, const Request& request) {
+  std::optional<std::string> type = request.type;
+  if (!type && canopen::parse_object(request.object)) {
+    const auto known = type_of(drive, request.object);
+    if (!known) {
+      return Error{
+          .kind = ErrorKind::type,
+          .detail = "\"type\" is missing, and no signal of " + drive.name + " has the object " + request.object};
+    }
+    type = std::string(canopen::name_of(*known));
+  }
+  mqtt::FlatObject members{{"op", text(request.op == Op::sdo_read ? "read" : "write")},
+                           {"object", text(request.object)},
+                           {"type", text(type.value_or(""))}};
+  if (request.value) {
+    members.emplace_back("value", *request.value);
+  }
+  return mqtt::sdo_request_of(members);
+}
+
+// The field of a command that makes it a stop, whatever stands beside it.
+std::vector<process::FieldWrite> stop_among(const Drive& drive, const mqtt::FlatObject& values) {
+  for (const auto& member : values) {
+    Result<std::vector<process::FieldWrite>> field = mqtt::fields_of(drive.model(), {member});
+    if (field.has_value() && drive.is_stop(field.value())) {
+      return std::move(field.value());
+    }
+  }
+  return {};
+}
+
+// Something beside the stop is no value of the drive: the stop is carried out, and what is wrong is told.
+awaitable<std::string> stop_all_the_same(Drive& drive, Asked asked, std::vector<process::FieldWrite> stop,
+                                         Error wrong) {
+  const process::Outcome outcome = co_await drive.write(origin_of(asked), std::move(stop));
+  if (outcome.has_error()) {
+    co_return refusal(asked.id, outcome.error());
+  }
+  wrong.detail += "; nothing but the stop was sent, and it was confirmed";
+  co_return refusal(asked.id, wrong);
+}
+
+awaitable<std::string> set(Plant& plant, Asked asked) {
+  Drive* const drive = find_drive(plant, asked.request.drive);
+  if (drive == nullptr) {
+    co_return no_drive(asked);
+  }
+  Result<std::vector<process::FieldWrite>> fields = mqtt::fields_of(drive->model(), asked.request.values);
+  if (fields.has_error()) {
+    std::vector<process::FieldWrite> stop = stop_among(*drive, asked.request.values);
+    if (stop.empty()) {
+      co_return refused(asked, *drive, fields.error());
+    }
+    co_return co_await stop_all_the_same(*drive, std::move(asked), std::move(stop), fields.error());
+  }
+  co_return told_outcome(asked.id, co_await drive->write(origin_of(asked), std::move(fields.value())));
+}
+
+awaitable<std::string> nmt(Plant& plant, Asked asked) {
+  Drive* const drive = find_drive(plant, asked.request.drive);
+  if (drive == nullptr) {
+    co_return no_drive(asked);
+  }
+  const Result<canopen::NmtCommand> command = mqtt::nmt_command_of({{"value", text(asked.request.command)}});
+  if (command.has_error()) {
+    co_return refused(asked, *drive, command.error());
+  }
+  co_return told_outcome(asked.id, co_await drive->nmt(origin_of(asked), command.value()));
+}
+
+awaitable<std::string> sdo(Plant& plant, Asked asked) {
+  Drive* const drive = find_drive(plant, asked.request.drive);
+  if (drive == nullptr) {
+    co_return no_drive(asked);
+  }
+  const Result<mqtt::SdoRequest> request = sdo_request_of(drive->model(), asked.request);
+  if (asked.request.op == Op::sdo_write) {
+    if (request.has_error()) {
+      co_return refused(asked, *drive, request.error());
+    }
+    const mqtt::SdoRequest& write = request.value();
+    co_return told_outcome(
+        asked.id, co_await drive->sdo_write(origin_of(asked), {write.object, write.type, write.value.value()}));
+  }
+  if (request.has_error()) {
+    co_return refusal(asked.id, request.error());
+  }
+  const Result<canopen::Raw> read = co_await drive->sdo_read(request.value().object, request.value().type);
+  co_return read.has_error() ? refusal(asked.id, read.error())
+                             : read_value(asked.id, request.value().type, read.value());
+}
+
+std::size_t drives_that_take(const Plant& plant, const process::Writer& writer) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    const config::Drive& drive = plant.drive(i).model();
+    count += drive.enabled && !process::refuse_writer(drive, writer) ? 1U : 0U;
+  }
+  return count;
+}
+
+awaitable<std::string> stop(Plant& plant, Asked asked) {
+  const std::size_t drives = drives_that_take(plant, writer_of(asked));
+  const std::vector<process::NotStopped> not_stopped = co_await process::stop_all(plant, origin_of(asked));
+  co_return stop_answer(asked.id, plant, drives, not_stopped);
+}
+
+awaitable<std::string> status(const Plant& plant, Asked asked, canopen::TimePoint started) {
+  co_return told_status(asked.id, status_json(plant, started, canopen::Clock::now()));
+}
+
+awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint started) {
+  switch (asked.request.op) {
+    case Op::set:
+      return set(plant, std::move(asked));
+    case Op::nmt:
+      return nmt(plant, std::move(asked));
+    case Op::sdo_read:
+    case Op::sdo_write:
+      return sdo(plant, std::move(asked));
+    case Op::stop:
+      return stop(plant, std::move(asked));
+    case Op::status:
+      break;
+  }
+  return status(plant, std::move(asked), started);
+}
+
+bool is_stop(Plant& plant, const Request& request) {
+  const Drive* const drive = request.op == Op::set ? find_drive(plant, request.drive) : nullptr;
+  return drive == nullptr ? request.op == Op::stop : !stop_among(*drive, request.values).empty();
+}
+
+}  // namespace
+
+Service plant_service(process::Plant& plant) {
+  const canopen::TimePoint started = canopen::Clock::now();
+  return {.is_stop = [&plant](const Request& request) { return is_stop(plant, request); },
+          .answer = [&plant, started](Asked asked) { return answer(plant, std::move(asked), started); }};
+}
+
+}  // namespace gateway::control

@@ -1,0 +1,175 @@
+#include "daemon/control/request.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include "bridges/mqtt/json_text.h"
+
+namespace gateway::control {
+namespace {
+
+using canopen::Error;
+using canopen::ErrorKind;
+using mqtt::FlatObject;
+using mqtt::Scalar;
+
+constexpr std::string_view kValues = "values";
+
+struct OpNames {
+  Op op;
+  std::string_view name;
+  std::span<const std::string_view> members;  ///< Besides `id` and `op`.
+};
+
+constexpr std::array<std::string_view, 2> kOfSet{"drive", kValues};
+constexpr std::array<std::string_view, 2> kOfNmt{"drive", "command"};
+constexpr std::array<std::string_view, 3> kOfRead{"drive", "object", "type"};
+constexpr std::array<std::string_view, 4> kOfWrite{"drive", "object", "type", "value"};
+constexpr std::array<OpNames, 6> kOps{{{Op::set, "set", kOfSet},
+                                       {Op::nmt, "nmt", kOfNmt},
+                                       {Op::sdo_read, "sdo-read", kOfRead},
+                                       {Op::sdo_write, "sdo-write", kOfWrite},
+                                       {Op::status, "status", {}},
+                                       {Op::stop, "stop", {}}}};
+
+Error no_request(std::string detail) {
+  return {.kind = ErrorKind::type, .detail = std::move(detail)};
+}
+
+const Scalar* member_of(const FlatObject& members, std::string_view name) {
+  const auto found =
+      std::ranges::find(members, name, [](const auto& member) { return std::string_view(member.first); });
+  return found == members.end() ? nullptr : &found->second;
+}
+
+// The id as JSON text; nothing where it is neither a string nor a number.
+std::optional<std::string> id_of(const Scalar& id) {
+  if (id.kind == Scalar::Kind::number) {
+    return id.text;
+  }
+  if (id.kind != Scalar::Kind::string) {
+    return std::nullopt;
+  }
+  std::string quoted;
+  mqtt::append_quoted(quoted, id.text);
+  return quoted;
+}
+
+std::optional<Error> refuse_members(const FlatObject& members, bool has_values, const OpNames& op) {
+  const auto knows = [&op](std::string_view name) { return std::ranges::find(op.members, name) != op.members.end(); };
+  std::string unknown = has_values && !knows(kValues) ? std::string(kValues) : std::string();
+  for (const auto& [name, value] : members) {
+    if (name != "id" && name != "op" && !knows(name)) {
+      unknown = name;
+    }
+  }
+  if (unknown.empty()) {
+    return std::nullopt;
+  }
+  std::string known = "id, op";
+  for (const std::string_view name : op.members) {
+    known.append(", ").append(name);
+  }
+  return no_request("unknown member \"" + unknown + "\"; of \"" + std::string(op.name) + "\" there are " + known);
+}
+
+// Fills `text` from a member that has to be a string.
+std::optional<Error> take_text(const FlatObject& members, std::string_view name, std::string& text) {
+  const Scalar* const value = member_of(members, name);
+  if (value == nullptr) {
+    return no_request("\"" + std::string(name) + "\" is missing");
+  }
+  if (value->kind != Scalar::Kind::string) {
+    return no_request("\"" + std::string(name) + "\" is to be a string");
+  }
+  text = value->text;
+  return std::nullopt;
+}
+
+std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
+  if (auto refused = take_text(members, "object", request.object)) {
+    return refused;
+  }
+  if (member_of(members, "type") != nullptr) {
+    if (auto refused = take_text(members, "type", request.type.emplace())) {
+      return refused;
+    }
+  }
+  if (request.op == Op::sdo_read) {
+    return std::nullopt;
+  }
+  const Scalar* const value = member_of(members, "value");
+  if (value == nullptr) {
+    return no_request("\"value\" is missing");
+  }
+  request.value = *value;
+  return std::nullopt;
+}
+
+std::optional<Error> take_members(mqtt::NestedObject& read, Request& request) {
+  if (request.op == Op::status || request.op == Op::stop) {
+    return std::nullopt;
+  }
+  if (auto refused = take_text(read.members, "drive", request.drive)) {
+    return refused;
+  }
+  if (request.op == Op::nmt) {
+    return take_text(read.members, "command", request.command);
+  }
+  if (request.op != Op::set) {
+    return take_sdo(read.members, request);
+  }
+  if (!read.inner) {
+    return no_request("\"values\" is to be an object of signals and their values");
+  }
+  request.values = std::move(*read.inner);
+  return std::nullopt;
+}
+
+canopen::Result<Request> request_of(mqtt::NestedObject& read) {
+  std::string name;
+  if (const auto refused = take_text(read.members, "op", name)) {
+    return *refused;
+  }
+  const auto* const op = std::ranges::find(kOps, std::string_view(name), &OpNames::name);
+  if (op == kOps.end()) {
+    return Error{.kind = ErrorKind::unknown,
+                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop"};
+  }
+  if (const auto refused = refuse_members(read.members, read.inner.has_value(), *op)) {
+    return *refused;
+  }
+  Request request{.op = op->op};
+  if (const auto refused = take_members(read, request)) {
+    return *refused;
+  }
+  return request;
+}
+
+}  // namespace
+
+Line parse_line(std::string_view text) {
+  canopen::Result<mqtt::NestedObject> read = mqtt::parse_nested(text, kValues);
+  if (read.has_error()) {
+    return {.request = read.error()};
+  }
+  Line line{.request = Request{}};
+  if (const Scalar* const id = member_of(read.value().members, "id")) {
+    const std::optional<std::string> echoed = id_of(*id);
+    if (!echoed) {
+      line.request = no_request("\"id\" is to be a string or a number");
+      return line;
+    }
+    line.id = *echoed;
+  }
+  line.request = request_of(read.value());
+  return line;
+}
+
+Error too_long() {
+  return no_request("the line is longer than " + std::to_string(kMaxLine) + " bytes");
+}
+
+}  // namespace gateway::control
