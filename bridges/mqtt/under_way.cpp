@@ -1,7 +1,10 @@
 #include "bridges/mqtt/under_way.h"
 
+#include <algorithm>
 #include <optional>
+#include <string>
 
+#include "bridges/process/command_checks.h"
 #include "bridges/process/stop_all.h"
 #include "canopen/error.h"
 #include "canopen/object.h"
@@ -9,6 +12,39 @@
 namespace mqtt {
 
 using canopen::Result;
+
+namespace {
+
+bool takes_commands(const config::Drive& model, const process::Writer& writer) {
+  return model.enabled && !process::refuse_writer(model, writer);
+}
+
+// The node, the object and the abort are not what whoever stops a plant looks for first.
+std::string short_text(const canopen::Error& error) {
+  if (error.detail.empty()) {
+    return canopen::to_string(error);
+  }
+  return error.detail + (error.outcome_unknown ? ", outcome unknown" : "");
+}
+
+// One outcome for all: the kind is that of the first that was missed, and all of them are named.
+process::Outcome outcome_of_all(const process::Plant& plant, const process::Writer& writer,
+                                const std::vector<process::NotStopped>& missed) {
+  if (std::ranges::none_of(plant.model().drives,
+                           [&](const config::Drive& model) { return takes_commands(model, writer); })) {
+    return canopen::Error{.kind = canopen::ErrorKind::forbidden, .detail = "no drive takes commands of this writer"};
+  }
+  if (missed.empty()) {
+    return {};
+  }
+  std::string names;
+  for (const process::NotStopped& one : missed) {
+    names += (names.empty() ? "" : "; ") + plant.drive(one.drive).model().name + " (" + short_text(one.error) + ")";
+  }
+  return canopen::Error{.kind = missed.front().error.kind, .detail = "not confirmed: " + names};
+}
+
+}  // namespace
 
 boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
                                           process::Origin origin, std::vector<process::FieldWrite> fields, ReplyTo to) {
@@ -18,8 +54,9 @@ boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, p
 
 boost::asio::awaitable<void> stop_every_drive(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
                                               process::Origin origin, ReplyTo to) {
-  const process::StoppedAll stopped = co_await process::stop_all(plant, std::move(origin));
-  under_way->send(command_answer(to, stopped.outcome()));
+  const process::Writer writer = origin.writer;
+  const std::vector<process::NotStopped> missed = co_await process::stop_all(plant, std::move(origin));
+  under_way->send(command_answer(to, outcome_of_all(plant, writer, missed)));
 }
 
 boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,

@@ -67,7 +67,7 @@ TEST_F(MqttRequests, RefusalsNameTheirCodeAndChangeNothing) {
 
 TEST_F(MqttRequests, OneThatWasOneTooManyMayComeAgain) {
   const auto command = [](std::size_t i) {
-    return R"({"frequency_command":)" + std::to_string(i % 50) + R"(,"id":"n)" + std::to_string(i) + "\"}";
+    return R"({"control_command":)" + std::to_string(i % 50) + R"(,"id":"n)" + std::to_string(i) + "\"}";
   };
   site_.puppet().mute = true;
   site_.broker().forget();
@@ -195,7 +195,7 @@ TEST_F(MqttRequests, TooManyAtATimeAreRefusedAndTheOthersAnswered) {
   site_.puppet().mute = true;  // nothing is answered any more
   for (int i = 0; i < 70; ++i) {
     site_.broker().events->on_message(
-        {.topic = "canopen/line3/pump1/mode/set", .payload = "1", .received = canopen::Clock::now()});
+        {.topic = "canopen/line3/pump1/control_command/set", .payload = "1", .received = canopen::Clock::now()});
   }
   site_.loop().settle();
   EXPECT_EQ(site_.broker().on("canopen/line3/result").size(), 6U);
