@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "simulator/drive.h"
@@ -117,17 +119,25 @@ void add_modbus_lines(std::string& text, const config::Model& model, const confi
   }
 }
 
+// As it is found in another terminal, installed or not.
+std::string own_path() {
+  std::error_code failed;
+  const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", failed);
+  return failed ? "canopen-gateway" : path.string();
+}
+
 // The same by the program itself, through the control socket.
 std::string control_lines(const config::Model& model) {
   const std::string& socket = model.gateway.control;
-  std::string text = fmt::format("\nHow everything is:\n  canopen-gateway status --control {}\n", socket);
+  const std::string program = own_path();
+  std::string text = fmt::format("\nHow everything is:\n  {} status --control {}\n", program, socket);
   for (const config::Drive& drive : model.drives) {
     const ControlWords* const words = control_words(drive);
     if (words != nullptr && !words->staged && drive.commands.writers.local) {
       return text +
-             fmt::format("  canopen-gateway set {} {}={:.1f} control_command={} --control {}   # run\n", drive.name,
+             fmt::format("  {} set {} {}={:.1f} control_command={} --control {}   # run\n", program, drive.name,
                          words->setpoint, words->example, words->run, socket) +
-             fmt::format("  canopen-gateway stop --control {}   # all of them\n", socket);
+             fmt::format("  {} stop --control {}   # all of them\n", program, socket);
     }
   }
   return text;

@@ -52,12 +52,12 @@ void LineReader::end_line() {
 }
 
 bool LineReader::take_line() {
-  auto line = partial_bytes_ > kMaxLine ? std::nullopt : parse_line(partial_);
-  if (line) {
-    sink_(
-        {.line = *std::move(line), .hash = sha256(partial_), .number = number_, .end = offset_, .before = take_junk()});
+  const auto line = partial_bytes_ > kMaxLine ? std::nullopt : parse_line(partial_);
+  if (!line) {
+    return false;
   }
-  return line.has_value();
+  sink_({.line = *line, .hash = sha256(partial_), .number = number_, .end = offset_, .before = take_junk()});
+  return true;
 }
 
 void LineReader::add_junk(std::string_view bytes) {

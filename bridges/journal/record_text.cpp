@@ -18,6 +18,8 @@ std::string_view name_of(process::Writer::Way way) {
       return "modbus";
     case process::Writer::Way::mqtt:
       return "mqtt";
+    case process::Writer::Way::gateway:
+      return "gateway";
     case process::Writer::Way::local:
       break;
   }

@@ -103,7 +103,9 @@ Answer ask(const Reach& reach, const std::string& request) {
     return {};
   }
   if (!truth_member(read.as_object(), "ok")) {
-    complain(text_member(read.as_object(), "code") + ": " + text_member(read.as_object(), "error"));
+    const std::string code = text_member(read.as_object(), "code");
+    const std::string error = text_member(read.as_object(), "error");
+    complain(error.starts_with(code) ? error : code + ": " + error);
     return {};
   }
   return {.code = kDone, .line = std::move(exchanged.answer), .members = std::move(read.as_object())};

@@ -144,6 +144,7 @@ void append_drive(std::string& out, const process::Plant& plant, std::size_t ind
   object.text("name", drive.model().name);
   object.text("bus", plant.model().buses[drive.model().bus].name);
   object.integer("node", drive.model().node.node);
+  object.boolean("enabled", drive.model().enabled);
   object.boolean("online", status.online);
   object.text("nmt", canopen::name_of(status.nmt));
   object.text("boot", boot_of(status.boot_result));

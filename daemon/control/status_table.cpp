@@ -87,8 +87,9 @@ std::string with_unit(std::string text, std::string_view unit) {
 
 Cells cells_of(const json::object& drive) {
   const bool online = shown(drive, "online") == "yes";
+  const std::string away = shown(drive, "enabled") == "no" ? "not in service" : "offline";
   return {shown(drive, "name"),     shown(drive, "bus"),
-          shown(drive, "node"),     online ? shown(drive, "nmt") : "offline",
+          shown(drive, "node"),     online ? shown(drive, "nmt") : away,
           shown(drive, "boot"),     with_unit(shown(drive, "heartbeat_age"), " s"),
           shown(drive, "fresh"),    running(drive),
           pairs(drive, "commanded")};

@@ -219,6 +219,10 @@ TEST_F(OutputsTest, AnRpdoWhoseEchoIsMissingIsNotRepeated) {
   ASSERT_TRUE(sent.done());
   EXPECT_TRUE(sent.get().error().outcome_unknown);
   wire_.withhold_echoes(false);
+  // The bus takes motion again once something has left.
+  const Frame read = make_frame(0x605, std::vector<std::uint8_t>(8, 0x40));
+  const Ticket reading = bus_.send(TransmitClass::sdo, read, Clock::now() + 1s, [](Departure) {});
+  loop_.advance(20ms);
   heard_.clear();
   loop_.advance(3s);
   EXPECT_TRUE(heard_.empty()) << "the image still has the one before, which might undo it";

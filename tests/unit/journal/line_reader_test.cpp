@@ -9,7 +9,7 @@
 namespace journal {
 namespace {
 
-const std::string kHash(64, '0');
+const std::string kNone(kNoHash);
 
 struct Read {
   std::vector<ReadLine> lines;
@@ -29,8 +29,8 @@ Read read(const std::string& text, std::size_t piece) {
 }
 
 TEST(JournalLineReader, CutsTheSameLinesFromPiecesOfAnySize) {
-  const std::string first = make_line(entry_at(1), 1, kHash);
-  const std::string second = make_line(entry_at(1), 2, kHash);
+  const std::string first = make_line(entry_at(1), 1, kNone);
+  const std::string second = make_line(entry_at(1), 2, kNone);
   const std::string text = first + "\nno line\n\n" + second + "\n{\"n\":3";
   for (const std::size_t piece : {std::size_t{1}, std::size_t{7}, text.size()}) {
     const Read result = read(text, piece);
@@ -53,7 +53,7 @@ TEST(JournalLineReader, CutsTheSameLinesFromPiecesOfAnySize) {
 
 TEST(JournalLineReader, ALineWithoutEndTakesNoMemoryAndIsHashedAllTheSame) {
   const std::string huge(kMaxLine + 100'000, 'x');
-  const std::string good = make_line(entry_at(1), 1, kHash);
+  const std::string good = make_line(entry_at(1), 1, kNone);
   for (const std::size_t piece : {std::size_t{4096}, huge.size() * 2}) {
     const Read result = read(huge + '\n' + good + '\n' + huge, piece);
     ASSERT_EQ(result.lines.size(), 1U);

@@ -75,7 +75,7 @@ TEST_F(ControlCommandLine, AConfigurationThatIsNamedAndWrongIs78) {
   const TemporaryFile wrong("[gateway]\nnaim = \"line3\"\n");
   const Told told = run({"--config", wrong.path(), "status"});
   EXPECT_EQ(told.code, kConfigurationError);
-  EXPECT_THAT(told.text, HasSubstr("unknown key \"naim\""));
+  EXPECT_THAT(told.text, HasSubstr("unknown key \"gateway.naim\""));
 }
 
 TEST_F(ControlCommandLine, AsksTheRunningGateway) {

@@ -31,6 +31,15 @@ TEST(ControlStatusTable, ShowsDrivesAndBelowWhatIsWrong) {
             "fan1: alarm heartbeat: 0x0000 it is gone (since 2026-01-02T03:04:05.678Z)\n");
 }
 
+TEST(ControlStatusTable, ADriveOutOfServiceIsNotOffline) {
+  EXPECT_EQ(
+      status_table(
+          R"({"gateway":"line3","version":"1","uptime":2.0,"drives":[{"name":"p","enabled":false,"online":false}]})"),
+      "gateway line3 1, up 2 s\n"
+      "drive  bus  node  state           boot  heartbeat  fresh  running  commanded\n"
+      "p                 not in service\n");
+}
+
 TEST(ControlStatusTable, IsNothingOfWhatIsNoStatus) {
   EXPECT_EQ(status_table("hello"), std::nullopt);
   EXPECT_EQ(status_table("[]"), std::nullopt);
