@@ -68,8 +68,7 @@ class RandomStopTest : public SdoStopBench {
       case 1:
         commands_.push_back(support::spawn(
             loop_.executor(),
-            client_->write_command(kCommand, DataType::u16, kRun, Clock::now() + milliseconds(20 + roll(300)),
-                                   [this] { return !stop_given_; })));
+            client_->write_command(kCommand, DataType::u16, kRun, Clock::now() + milliseconds(20 + roll(300)))));
         break;
       case 2:
         reads_.push_back(support::spawn(loop_.executor(), client_->probe(kCommand, DataType::u16)));
@@ -97,11 +96,10 @@ class RandomStopTest : public SdoStopBench {
     use({.retries = 1, .accept_upload_style_write_answer = roll(2) == 0});
     requests_.clear();
     does_.reset();
-    stop_given_ = false;
     for (int count = 1 + roll(6); count > 0; --count) {
       do_something();
     }
-    stop_given_ = true;  // What waits is superseded.
+    client_->withdraw_commands();  // What waits is superseded.
     const auto stopping = stop(2s);
     const int foreign = roll(4) == 0 ? roll(200) : -1;
     for (int i = 0; i < 2010 && !stopping.done(); ++i) {
@@ -128,7 +126,6 @@ class RandomStopTest : public SdoStopBench {
   std::deque<Bytes> requests_;
   TimePoint next_{};
   std::optional<Raw> does_;
-  bool stop_given_ = false;
   std::vector<support::Spawned<Result<void>>> commands_;
   std::vector<support::Spawned<Result<Raw>>> reads_;
   std::unique_ptr<Link> other_ = wire_.connect();
