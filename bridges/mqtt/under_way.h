@@ -15,7 +15,6 @@
 #include "bridges/process/drive.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
-#include "canopen/nmt.h"
 
 namespace mqtt {
 

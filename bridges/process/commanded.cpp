@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "canopen/node/motor_check.h"
-#include "canopen/node/pdo.h"
 
 namespace process {
 namespace {

@@ -37,6 +37,19 @@ struct MappedObject {
   friend bool operator==(const MappedObject&, const MappedObject&) = default;
 };
 
+/// CiA 301 §7.4.7.1: an index 0x0001..0x0007 in a mapping stands for a gap as wide as the data type of that number.
+[[nodiscard]] constexpr bool is_dummy(ObjectAddress object) noexcept {
+  return object.index >= 0x0001 && object.index <= 0x0007;
+}
+
+/// A gap carries nothing, so nobody needs to command it.
+[[nodiscard]] constexpr bool is_commanded(const MappedObject& mapped) noexcept {
+  return mapped.use == FieldUse::commanded && !is_dummy(mapped.object);
+}
+[[nodiscard]] constexpr bool is_unnamed(const MappedObject& mapped) noexcept {
+  return mapped.use == FieldUse::unnamed && !is_dummy(mapped.object);
+}
+
 /// One TPDO or RPDO (the drive's point of view).
 struct PdoSettings {
   std::uint16_t number = 1;  ///< 1..512: communication object 0x1800/0x1400 + number - 1.

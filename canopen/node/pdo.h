@@ -14,19 +14,6 @@ namespace canopen {
 inline constexpr std::size_t kMaxPdoBytes = 8;
 inline constexpr std::size_t kMaxPdoFields = 64;  ///< 64 objects of one bit (CiA 301 §7.5.2.36).
 
-/// CiA 301 §7.4.7.1: an index 0x0001..0x0007 in a mapping stands for a gap as wide as the data type of that number.
-[[nodiscard]] constexpr bool is_dummy(ObjectAddress object) noexcept {
-  return object.index >= 0x0001 && object.index <= 0x0007;
-}
-
-/// A gap carries nothing, so nobody needs to command it.
-[[nodiscard]] constexpr bool is_commanded(const MappedObject& mapped) noexcept {
-  return mapped.use == FieldUse::commanded && !is_dummy(mapped.object);
-}
-[[nodiscard]] constexpr bool is_unnamed(const MappedObject& mapped) noexcept {
-  return mapped.use == FieldUse::unnamed && !is_dummy(mapped.object);
-}
-
 /// Where the values of one PDO lie, worked out once from its mapping. Fields may start at any bit and be 1 to 64 bits
 /// wide; bit 0 of the PDO is bit 0 of byte 0 (CiA 301 §7.3.5.1). Neither decode() nor encode() allocates.
 class PdoPlan {
