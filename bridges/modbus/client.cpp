@@ -90,11 +90,12 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
     answer_.exception = Exception::illegal_function;
     return false;
   }
-  // Of function 23 too, before anything is sent to the drive: a write whose read part must fail is not begun.
+  // Of function 23 too, before anything is sent to the drive: a write whose read part must fail is not begun. But for a
+  // stop, which nothing keeps back.
   if (answer_.request.reads()) {
     answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
   }
-  return answer_.request.writes() && !answer_.exception;
+  return answer_.request.writes() && (!answer_.exception || units_.is_stop(unit, answer_.request));
 }
 
 awaitable<void> Client::carry_out(std::uint8_t unit) {

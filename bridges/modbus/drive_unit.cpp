@@ -148,6 +148,12 @@ WritePlan DriveUnit::plan(const Request& request, std::span<const std::uint8_t> 
   return request.of_bits() ? plan_bits(table_, request.write, bytes) : plan_registers(table_, request.write, bytes);
 }
 
+bool DriveUnit::is_stop(const Request& request) const {
+  const WritePlan planned = plan(request, request.values);
+  const auto* fields = std::get_if<std::vector<process::FieldWrite>>(&planned);
+  return fields != nullptr && drive().is_stop(*fields);
+}
+
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Origin origin) {
   if (!request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1}) {
     const std::optional<std::uint16_t> number = nmt_number(request);

@@ -30,6 +30,7 @@ class DriveUnit {
                                                         std::span<std::uint16_t> out) const;
   [[nodiscard]] std::optional<Exception> read_bits(Range range, canopen::TimePoint now,
                                                    std::span<std::uint8_t> out) const;
+  [[nodiscard]] bool is_stop(const Request& request) const;
   /// Nothing: confirmed. What request.values points to outlives the call.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
 

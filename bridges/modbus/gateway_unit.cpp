@@ -62,6 +62,9 @@ boost::asio::awaitable<std::optional<Exception>> GatewayUnit::write(Request requ
   if (request.values[0] == 0 && request.values[1] == 0) {
     co_return Exception::illegal_value;
   }
+  if (!process::commands_any(plant_, origin.writer)) {
+    co_return Exception::illegal_function;
+  }
   const std::vector<process::NotStopped> missed = co_await process::stop_all(plant_, std::move(origin));
   co_return missed.empty() ? std::nullopt : std::optional(Exception::no_response);
 }

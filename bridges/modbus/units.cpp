@@ -34,6 +34,10 @@ void Units::sign_of_life(std::uint8_t unit, const process::Writer& writer) {
   }
 }
 
+bool Units::is_stop(std::uint8_t unit, const Request& request) const {
+  return !is_gateway(unit) && by_id_[unit]->is_stop(request);
+}
+
 boost::asio::awaitable<std::optional<Exception>> Units::write(std::uint8_t unit, Request request,
                                                               process::Origin origin) {
   if (is_gateway(unit)) {

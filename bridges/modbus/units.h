@@ -29,6 +29,8 @@ class Units {
                                               Snapshot& into) const;
   /// A client of `write_from` asked this unit for something, whatever it was. The unit exists.
   void sign_of_life(std::uint8_t unit, const process::Writer& writer);
+  /// The request stops a drive.
+  [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
                                                                        process::Origin origin);

@@ -1,10 +1,8 @@
 #include "bridges/mqtt/under_way.h"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 
-#include "bridges/process/command_checks.h"
 #include "bridges/process/stop_all.h"
 #include "canopen/error.h"
 #include "canopen/object.h"
@@ -14,10 +12,6 @@ namespace mqtt {
 using canopen::Result;
 
 namespace {
-
-bool takes_commands(const config::Drive& model, const process::Writer& writer) {
-  return model.enabled && !process::refuse_writer(model, writer);
-}
 
 // The node, the object and the abort are not what whoever stops a plant looks for first.
 std::string short_text(const canopen::Error& error) {
@@ -30,8 +24,7 @@ std::string short_text(const canopen::Error& error) {
 // One outcome for all: the kind is that of the first that was missed, and all of them are named.
 process::Outcome outcome_of_all(const process::Plant& plant, const process::Writer& writer,
                                 const std::vector<process::NotStopped>& missed) {
-  if (std::ranges::none_of(plant.model().drives,
-                           [&](const config::Drive& model) { return takes_commands(model, writer); })) {
+  if (!process::commands_any(plant, writer)) {
     return canopen::Error{.kind = canopen::ErrorKind::forbidden, .detail = "no drive takes commands of this writer"};
   }
   if (missed.empty()) {

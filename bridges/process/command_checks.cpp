@@ -65,6 +65,13 @@ Result<canopen::Raw> check_given(const config::Signal& signal, const FieldWrite&
   return canopen::Error{.kind = ErrorKind::incomplete, .detail = "nobody commanded the bits to be kept"};
 }
 
+config::Signal without_limits(const config::Signal& signal) {
+  config::Signal copy = signal;
+  copy.min.reset();
+  copy.max.reset();
+  return copy;
+}
+
 std::optional<Error> refuse_writer(const config::Drive& model, const Writer& writer) {
   if (is_allowed(model.commands.writers, writer.way)) {
     return std::nullopt;
@@ -116,6 +123,13 @@ std::optional<SignalId> writable_signal(const config::Drive& model, canopen::Obj
 bool takes_no_sdo(const Error& error) noexcept {
   constexpr std::array kCodes{0x06010000U, 0x06010002U, 0x06020000U, 0x06090011U};
   return error.kind == ErrorKind::refused && std::find(kCodes.begin(), kCodes.end(), error.abort) != kCodes.end();
+}
+
+Error with_written(Error error, const std::string& names) {
+  if (!names.empty()) {
+    error.detail.append(error.detail.empty() ? "" : "; ").append("already written: ").append(names);
+  }
+  return error;
 }
 
 Error command_error(const config::Drive& model, ErrorKind kind, std::string detail) {

@@ -25,6 +25,9 @@ namespace process {
 /// The raw value of a field, checked and rounded. Bits alone are no value: the arbiter makes one of them before.
 [[nodiscard]] canopen::Result<canopen::Raw> check_given(const config::Signal& signal, const FieldWrite& write);
 
+/// Limits of the site do not make a stop less of a stop.
+[[nodiscard]] config::Signal without_limits(const config::Signal& signal);
+
 /// All of them checked and rounded to raw values, or the first error: access, type, range. Of several fields the error
 /// names its own.
 [[nodiscard]] canopen::Result<std::vector<Field>> check_fields(const config::Drive& model,
@@ -32,6 +35,9 @@ namespace process {
 
 /// The signal through which an object is written, where there is one.
 [[nodiscard]] std::optional<SignalId> writable_signal(const config::Drive& model, canopen::ObjectAddress object);
+
+/// The same error, naming the signals that were written before it.
+[[nodiscard]] canopen::Error with_written(canopen::Error error, const std::string& names);
 
 /// What a drive answers that does not take a mapped object by SDO at all.
 [[nodiscard]] bool takes_no_sdo(const canopen::Error& error) noexcept;

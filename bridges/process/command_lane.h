@@ -17,8 +17,11 @@ class CommandLane {
   /// A command's place, from its arrival to its answer.
   class Place {
    public:
-    Place(CommandLane& lane, PendingCommand& command) : lane_(lane), command_(command) {
-      lane_.commands_.push_back(&command_);
+    /// `first`: before everything that has not begun.
+    Place(CommandLane& lane, PendingCommand& command, bool first = false) : lane_(lane), command_(command) {
+      auto& commands = lane_.commands_;
+      const bool behind_one = !commands.empty() && commands.front()->begun;
+      commands.insert(first ? commands.begin() + (behind_one ? 1 : 0) : commands.end(), &command_);
     }
     ~Place() {
       std::erase(lane_.commands_, &command_);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-
 namespace process {
 namespace {
 
@@ -67,6 +66,11 @@ std::optional<canopen::Raw> Commanded::held(SignalId signal) const noexcept {
 
 std::optional<canopen::TimePoint> Commanded::confirmed_at(SignalId signal) const noexcept {
   return values_[signal].counts ? std::optional(values_[signal].confirmed) : std::nullopt;
+}
+
+std::optional<canopen::TimePoint> Commanded::last_confirmed_at(SignalId signal) const noexcept {
+  const canopen::TimePoint at = values_[signal].confirmed;
+  return at == canopen::TimePoint{} ? std::nullopt : std::optional(at);
 }
 
 std::optional<canopen::TimePoint> Commanded::doubtful_at(SignalId signal) const noexcept {

@@ -42,6 +42,8 @@ class Commanded {
   [[nodiscard]] std::optional<canopen::Raw> held(SignalId signal) const noexcept;
   /// When the value that counts was confirmed.
   [[nodiscard]] std::optional<canopen::TimePoint> confirmed_at(SignalId signal) const noexcept;
+  /// When a value was last confirmed, whether it still counts or not.
+  [[nodiscard]] std::optional<canopen::TimePoint> last_confirmed_at(SignalId signal) const noexcept;
   /// A command of unknown outcome may have overwritten what was read from the drive until then.
   [[nodiscard]] std::optional<canopen::TimePoint> doubtful_at(SignalId signal) const noexcept;
 

@@ -105,8 +105,7 @@ awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<
     co_return fields.error();
   }
   std::vector<Field> ordered = in_writing_order(model_, fields.value());
-  const bool unchanged = std::all_of(ordered.begin(), ordered.end(),
-                                     [this](const Field& field) { return commanded_.held(field.signal) == field.raw; });
+  const bool unchanged = holds_all(ordered);
   Outcome outcome = co_await carry_out(command, std::move(ordered));
   outcome.unchanged = unchanged && outcome.has_value();
   co_return outcome;
@@ -234,7 +233,7 @@ void Commands::take_fields(PendingCommand& command, std::span<const FieldWrite> 
     }
     const config::Signal& signal = model_.signals[field.signal];
     FieldRecord record{.signal = field.signal};
-    const Result<Raw> asked = check_given(signal, field);
+    const Result<Raw> asked = check_given(commanded_.is_control(field.signal) ? without_limits(signal) : signal, field);
     if (asked.has_value()) {
       record.asked = asked.value();
       command.set_points_only = command.set_points_only && !config::is_momentary(signal, asked.value());
@@ -255,17 +254,15 @@ ControlUse Commands::use_of(std::span<const FieldWrite> fields) const {
     return ControlUse::none;
   }
   // Limits of the site do not make a stop less of a stop.
-  config::Signal without_limits = model_.signals[control->signal];
-  without_limits.min.reset();
-  without_limits.max.reset();
-  const Result<Raw> raw = check_given(without_limits, *control);
+  const config::Signal& signal = model_.signals[control->signal];
+  const Result<Raw> raw = check_given(without_limits(signal), *control);
   if (raw.has_error()) {
     return ControlUse::run;
   }
   if (commanded_.is_stop(raw.value())) {
     return ControlUse::stop;
   }
-  return config::is_momentary(without_limits, raw.value()) ? ControlUse::momentary : ControlUse::run;
+  return config::is_momentary(signal, raw.value()) ? ControlUse::momentary : ControlUse::run;
 }
 
 bool Commands::is_stop(std::span<const FieldWrite> fields) const {
@@ -305,7 +302,10 @@ Result<Raw> Commands::base_of_bits(SignalId signal) const {
   if (source == nullptr) {
     return error(ErrorKind::incomplete, "nobody commanded the bits that are to be kept");
   }
-  if (image_.fresh(signal, canopen::Clock::now()) && !(doubtful && source->at <= *doubtful)) {
+  // What was read before the last command of it may be what that command took away.
+  const auto last = commanded_.last_confirmed_at(signal);
+  const bool older = (doubtful && source->at <= *doubtful) || (last && source->at <= *last);
+  if (image_.fresh(signal, canopen::Clock::now()) && !older) {
     return image_.raw(signal);
   }
   return error(ErrorKind::offline, "the bits that are to be kept are not known: the value is not fresh");

@@ -4,6 +4,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -155,12 +156,17 @@ class Commands {
   boost::asio::awaitable<void> note_begin(PendingCommand& command);
   /// Calls back the step under way, where it writes or carries `control_command` or is a raw write.
   void call_back();
+  [[nodiscard]] bool holds_all(std::span<const Field> fields) const;
   void on_void();
   /// Whether the motor runs; nothing where nobody can tell.
   [[nodiscard]] std::optional<bool> running() const;
 
   // Stops.
-  struct StopParts;
+  /// What of a command that goes first is sent, `control_command` at the front, and why the rest of it is not.
+  struct StopParts {
+    std::vector<Field> fields;
+    std::optional<canopen::Error> left_out;
+  };
   boost::asio::awaitable<Outcome> overtake(PendingCommand& command, std::vector<FieldWrite> given);
   [[nodiscard]] StopParts take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const;
   void go_first(const PendingCommand& stop, canopen::Raw raw);
@@ -168,15 +174,16 @@ class Commands {
   boost::asio::awaitable<canopen::Result<void>> send_stop(PendingCommand& command, std::vector<Field>& fields);
   boost::asio::awaitable<canopen::Result<void>> stop_by_sdo(PendingCommand& command, std::vector<Field>& fields,
                                                             bool left_by_rpdo);
+  /// The set-points beside a stop, or those that a time-out writes: they pass what waits, but are set-points.
+  boost::asio::awaitable<Outcome> write_first(PendingCommand& command, std::vector<Field> fields);
   boost::asio::awaitable<canopen::Result<void>> complete_by_reading(PendingCommand& command,
                                                                     std::vector<Field>& fields);
-  boost::asio::awaitable<Outcome> send_rest(PendingCommand& command, std::vector<Field> fields);
 
   // Leases and time-outs.
   [[nodiscard]] static ControlSettings control_settings(const config::Commands& commands);
   void on_control_time();
   void control_changed();
-  boost::asio::awaitable<void> write_timeout_values();
+  boost::asio::awaitable<void> write_timeout_values(std::unique_ptr<Visit> visit);
 
   boost::asio::any_io_executor executor_;
   const config::Drive& model_;

@@ -2,6 +2,7 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <exception>
+#include <memory>
 #include <utility>
 
 #include "bridges/process/commands.h"
@@ -61,17 +62,17 @@ void Commands::on_control_time() {
     commanded_.on_fault_begin("no sign of life of its writer");
     on_void();
   } else if (action == CommandTimeout::Action::write_values && !closed_) {
-    boost::asio::co_spawn(executor_, write_timeout_values(), [](const std::exception_ptr& failure) {
-      if (failure) {
-        std::rethrow_exception(failure);
-      }
-    });
+    boost::asio::co_spawn(executor_, write_timeout_values(std::make_unique<Visit>(*this)),
+                          [](const std::exception_ptr& failure) {
+                            if (failure) {
+                              std::rethrow_exception(failure);
+                            }
+                          });
   }
   control_changed();
 }
 
-awaitable<void> Commands::write_timeout_values() {
-  const Visit visit(*this);
+awaitable<void> Commands::write_timeout_values(std::unique_ptr<Visit> /*visit*/) {
   PendingCommand command = arrive({.writer = {.way = Writer::Way::gateway, .address = {}}}, CommandRecord::Kind::write);
   std::vector<FieldWrite> values;
   for (const config::TimeoutValue& value : model_.commands.timeout_values) {
@@ -79,7 +80,13 @@ awaitable<void> Commands::write_timeout_values() {
   }
   take_fields(command, values);
   command.passes_lease = true;
-  Outcome outcome = co_await overtake(command, std::move(values));
+  Outcome outcome;
+  if (command.use == ControlUse::stop) {
+    outcome = co_await overtake(command, std::move(values));
+  } else {
+    StopParts parts = take_apart(command, values);
+    outcome = co_await write_first(command, std::move(parts.fields));
+  }
   finish(command, outcome);
   if (outcome.has_error()) {
     control_.on_values_failed(canopen::to_string(outcome.error()), canopen::Clock::now());

@@ -21,13 +21,6 @@ bool left_unchanged(const Error& error) {
   return error.not_sent || error.kind == ErrorKind::refused || (not_begun && !error.outcome_unknown);
 }
 
-Error with_written(Error error, const std::string& written) {
-  if (!written.empty()) {
-    error.detail.append(error.detail.empty() ? "" : "; ").append("already written: ").append(written);
-  }
-  return error;
-}
-
 std::vector<SignalId> signals_of(std::span<const Field> fields) {
   std::vector<SignalId> signals;
   for (const Field& field : fields) {
@@ -179,10 +172,19 @@ awaitable<void> Commands::note_begin(PendingCommand& command) {
 
 void Commands::call_back() {
   PendingCommand* command = lane_.under_way();
-  if (command != nullptr && (command->carries_control || command->record.kind == CommandRecord::Kind::raw)) {
-    command->withdrawn = true;
+  if (command == nullptr) {
+    return;
+  }
+  // Where its step has not left, it is looked at again once the stop is through.
+  command->withdrawn = true;
+  if (command->carries_control || command->record.kind == CommandRecord::Kind::raw) {
     node_.withdraw_command();
   }
+}
+
+bool Commands::holds_all(std::span<const Field> fields) const {
+  return std::all_of(fields.begin(), fields.end(),
+                     [this](const Field& field) { return commanded_.held(field.signal) == field.raw; });
 }
 
 /// Something became void: what waits looks at itself again, and nothing of before is sent or repeated.

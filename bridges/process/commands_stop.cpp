@@ -15,12 +15,6 @@ using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
 
-/// What of a command that goes first is sent, `control_command` at the front, and why the rest of it is not.
-struct Commands::StopParts {
-  std::vector<Field> fields;
-  std::optional<Error> left_out;
-};
-
 Commands::StopParts Commands::take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const {
   StopParts parts;
   const auto lease = command.passes_lease
@@ -29,10 +23,8 @@ Commands::StopParts Commands::take_apart(const PendingCommand& command, std::spa
   for (const FieldWrite& write : given) {
     const bool control = commanded_.is_control(write.signal);
     if (control) {
-      config::Signal without_limits = model_.signals[write.signal];
-      without_limits.min.reset();
-      without_limits.max.reset();
-      if (const Result<canopen::Raw> raw = check_given(without_limits, write); raw.has_value()) {
+      if (const Result<canopen::Raw> raw = check_given(without_limits(model_.signals[write.signal]), write);
+          raw.has_value()) {
         parts.fields.push_back({write.signal, raw.value()});
       }
       continue;
@@ -61,28 +53,34 @@ awaitable<Outcome> Commands::overtake(PendingCommand& command, std::vector<Field
     control_.on_accepted(command.record.writer, command.use, canopen::Clock::now());
     control_changed();
   }
-  const bool stops = command.use == ControlUse::stop;
-  if (stops) {
-    go_first(command, parts.fields.front().raw);
+  const bool unchanged = holds_all(parts.fields) && !parts.left_out;
+  go_first(command, parts.fields.front().raw);
+  const Result<void> stopped = co_await send_stop(command, parts.fields);
+  if (stopped.has_error()) {
+    co_return stopped;
   }
-  const CommandLane::Place place(stops_, command);
-  Refusal refused = co_await await_stop_turn(command);
-  if (refused) {
-    co_return *std::move(refused);
-  }
-  if (stops) {
-    co_await note_begin(command);
-    const Result<void> stopped = co_await send_stop(command, parts.fields);
-    if (stopped.has_error()) {
-      co_return stopped;
-    }
-  }
-  Outcome rest = co_await send_rest(command, std::move(parts.fields));
+  Outcome rest = co_await write_first(command, std::move(parts.fields));
   if (rest.has_value() && parts.left_out) {
-    rest = *std::move(parts.left_out);
-    rest.failure->detail += command.written_names.empty() ? "" : "; already written: " + command.written_names;
+    rest = with_written(*std::move(parts.left_out), command.written_names);
   }
+  rest.unchanged = unchanged && rest.has_value();
   co_return rest;
+}
+
+awaitable<Outcome> Commands::write_first(PendingCommand& command, std::vector<Field> fields) {
+  if (fields.empty()) {
+    co_return Outcome();
+  }
+  command.use = ControlUse::none;  // From here on it is no stop: the next one does not wait for it.
+  command.begun = false;
+  command.noted = true;
+  const CommandLane::Place place(lane_, command, true);
+  Refusal refused = co_await await_turn(command);
+  if (refused) {
+    co_return with_written(*std::move(refused), command.written_names);
+  }
+  Outcome outcome = co_await carry_out(command, std::move(fields));
+  co_return outcome;
 }
 
 /// From its arrival on, nothing older that writes `control_command` leaves any more, and what is repeated holds the
@@ -94,9 +92,11 @@ void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
     const bool equal = std::any_of(
         older->record.fields.begin(), older->record.fields.end(),
         [&](const FieldRecord& field) { return commanded_.is_control(field.signal) && field.asked == raw; });
-    // One that waits for its turn is done by the newer one.
+    // One that waits for its turn is done by the newer one; another one under way is not waited for any longer.
     if (!older->begun && equal && older->record.fields.size() == 1) {
       older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);
+    } else if (older->begun && !equal) {
+      node_.hurry_stop(stop.deadline);
     }
   }
   commanded_.on_stop(raw);
@@ -126,31 +126,33 @@ awaitable<Commands::Refusal> Commands::await_stop_turn(PendingCommand& command) 
 }
 
 awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector<Field>& fields) {
+  const CommandLane::Place place(stops_, command);
   const Field control = fields.front();
-  if (refuse_unreachable()) {
-    // Its RPDOs are not sure, or it is not there: one SDO write, whatever comes of it.
-    const Result<void> sent = co_await send_sdo(command, control, true);
-    if (sent.has_value()) {
-      take_out(command, fields, {{control}});
-    }
-    co_return sent;
+  co_await note_begin(command);
+  if (closed_) {
+    co_return closed_error();
   }
   const canopen::ObjectAddress object = model_.signals[control.signal].object;
   const std::uint16_t rpdo = commanded_.rpdo_of(control.signal);
   const WriteStep step{rpdo, fields_of(commanded_, rpdo, fields)};
-  if (rpdo != 0 && commanded_.values(rpdo, step.fields)) {
+  bool left_by_rpdo = false;
+  // Where it is not served its RPDOs are not sure.
+  if (rpdo != 0 && !refuse_unreachable() && commanded_.values(rpdo, step.fields)) {
     const bool doubtful = node_.may_still_act(object);
     const Result<void> left = co_await send_rpdo(command, step, {});
+    left_by_rpdo = left.has_value();
     // An older write of the same object that the drive has not answered may still take effect: it is written again
     // behind that one.
-    if (left.has_value() && !doubtful && !node_.may_still_act(object)) {
+    if (left_by_rpdo && !doubtful && !node_.may_still_act(object)) {
       take_out(command, fields, step.fields);
       co_return left;
     }
-    Result<void> written = co_await stop_by_sdo(command, fields, left.has_value());
-    co_return written;
   }
-  Result<void> written = co_await stop_by_sdo(command, fields, false);
+  Refusal refused = co_await await_stop_turn(command);
+  if (refused) {
+    co_return *std::move(refused);
+  }
+  Result<void> written = co_await stop_by_sdo(command, fields, left_by_rpdo);
   co_return written;
 }
 
@@ -161,7 +163,7 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
     take_out(command, fields, {{control}});
     co_return written;
   }
-  if (!takes_no_sdo(written.error())) {
+  if (written.error().kind != ErrorKind::refused || refuse_unreachable()) {
     co_return written;
   }
   if (left_by_rpdo) {
@@ -170,8 +172,9 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
     take_out(command, fields, sent);
     co_return Result<void>();
   }
-  Result<void> left = co_await complete_by_reading(command, fields);
-  co_return left;
+  const Result<void> left = co_await complete_by_reading(command, fields);
+  const bool never_sent = left.has_error() && left.error().kind == ErrorKind::incomplete;
+  co_return never_sent ? Result<void>(explain(written.error(), control.signal)) : left;
 }
 
 /// A drive that takes its control command only by PDO: what it holds of the set-points completes a stop, and a stop
@@ -181,15 +184,15 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
   const std::uint16_t rpdo = commanded_.rpdo_of(control);
   const WriteStep step{rpdo, fields_of(commanded_, rpdo, fields)};
   const auto missing = commanded_.missing(rpdo, step.fields);
-  const Error incomplete = explain(Error{.kind = ErrorKind::refused, .abort = 0x06010000}, control);
+  const Error incomplete{.kind = ErrorKind::incomplete};
   if (!missing) {
     co_return incomplete;
   }
   std::vector<Field> borrowed;
   for (const SignalId signal : *missing) {
     const config::Signal& what = model_.signals[signal];
-    const Result<canopen::Raw> held = co_await node_.read(what.object, what.type);
-    if (held.has_error() || canopen::Clock::now() >= command.deadline) {
+    const Result<canopen::Raw> held = co_await node_.read_for_stop(what.object, what.type, command.deadline);
+    if (held.has_error() || closed_) {
       co_return incomplete;
     }
     borrowed.push_back({signal, held.value()});
@@ -199,30 +202,6 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
     take_out(command, fields, step.fields);
   }
   co_return left;
-}
-
-/// The set-points beside a stop, or those of a time-out: they pass what waits, but are set-points.
-awaitable<Outcome> Commands::send_rest(PendingCommand& command, std::vector<Field> fields) {
-  const bool stopped = command.use == ControlUse::stop;
-  while (!fields.empty()) {
-    Refusal refused = refuse_unreachable();
-    if (!refused && canopen::Clock::now() >= command.deadline) {
-      refused = refuse_for_time(command);
-    }
-    Outcome outcome;
-    if (refused) {
-      outcome = *std::move(refused);
-    } else {
-      outcome = co_await take_step(command, fields);
-    }
-    if (outcome.has_error()) {
-      if (stopped) {
-        outcome.failure->detail += "; already written: " + command.written_names;
-      }
-      co_return outcome;
-    }
-  }
-  co_return Outcome();
 }
 
 }  // namespace process

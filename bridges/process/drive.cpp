@@ -108,8 +108,11 @@ void Drive::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size
 
 void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
   if (emcy.reset) {
-    commands_.on_fault_end();
+    if (std::exchange(had_fault_emcy_, false)) {
+      commands_.on_fault_end();
+    }
   } else if (name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
+    had_fault_emcy_ = true;
     commands_.on_fault_begin("an emergency came");
   }
   alarms_.on_emcy(emcy, at, wall);

@@ -12,6 +12,10 @@
 namespace process {
 namespace {
 
+bool takes_commands(const config::Drive& model, const Writer& writer) {
+  return model.enabled && !refuse_writer(model, writer);
+}
+
 struct Round {
   explicit Round(boost::asio::any_io_executor executor) : ended(std::move(executor)) {}
 
@@ -31,12 +35,17 @@ boost::asio::awaitable<void> stop_one(Drive& drive, Origin origin, Round& round)
 
 }  // namespace
 
+bool commands_any(const Plant& plant, const Writer& writer) {
+  return std::ranges::any_of(plant.model().drives,
+                             [&](const config::Drive& model) { return takes_commands(model, writer); });
+}
+
 boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin origin) {
   const boost::asio::any_io_executor executor = co_await boost::asio::this_coro::executor;
   Round round(executor);
   for (std::size_t i = 0; i < plant.size(); ++i) {
     Drive& drive = plant.drive(i);
-    if (!drive.model().enabled || refuse_writer(drive.model(), origin.writer)) {
+    if (!takes_commands(drive.model(), origin.writer)) {
       continue;
     }
     ++round.waiting;

@@ -143,8 +143,9 @@ bool TransmitQueue::alive(TimePoint now) const noexcept {
 }
 
 bool TransmitQueue::may_go(const Outgoing& entry, TimePoint now) const noexcept {
-  return (alive(now) || !is_motion(entry.transmit_class)) &&
-         in_flight_.leaves_room_for(entry.transmit_class, entry.frame, now);
+  // A stop that leaves when the cable is plugged in moves nothing.
+  const bool needs_life = is_motion(entry.transmit_class) && entry.transmit_class != TransmitClass::stop;
+  return (alive(now) || !needs_life) && in_flight_.leaves_room_for(entry.transmit_class, entry.frame, now);
 }
 
 void TransmitQueue::hand_over(TimePoint now) {

@@ -12,7 +12,10 @@ namespace canopen {
 class Outputs::Sending {
  public:
   Sending(Outputs& owner, Entry& what, const Frame& frame, TransmitClass transmit_class, TimePoint deadline)
-      : entry(what), owner_(owner), transmission_(owner.bus_, transmit_class, frame, deadline) {
+      : entry(what),
+        stops(transmit_class == TransmitClass::stop),
+        owner_(owner),
+        transmission_(owner.bus_, transmit_class, frame, deadline) {
     owner_.sendings_.push_back(this);
   }
   ~Sending() {
@@ -26,6 +29,7 @@ class Outputs::Sending {
   void withdraw() { transmission_.withdraw(); }
 
   Entry& entry;
+  bool stops;
   std::optional<Error> refusal;  ///< Why it was withdrawn, where that is to be told.
 
  private:
@@ -80,7 +84,9 @@ boost::asio::awaitable<Result<void>> Outputs::send(std::uint16_t number, Values 
 
 void Outputs::withdraw() {
   for (Sending* sending : sendings_) {
-    sending->withdraw();
+    if (!sending->stops) {
+      sending->withdraw();
+    }
   }
 }
 
@@ -132,8 +138,8 @@ void Outputs::cease() {
   for (Sending* sending : sendings_) {
     sending->refusal = error(ErrorKind::offline, "withdrawn: the drive was lost, rebooted, or left operational");
     sending->refusal->not_sent = true;
+    sending->withdraw();
   }
-  withdraw();
 }
 
 boost::asio::awaitable<void> Outputs::until_idle() {

@@ -42,7 +42,8 @@ class Outputs {
   /// repetition of the same RPDO leaves.
   boost::asio::awaitable<Result<void>> send(std::uint16_t number, Values values, TransmitClass transmit_class,
                                             TimePoint deadline);
-  /// RPDOs that somebody sends and the kernel does not have yet never leave: `timeout` with Error::not_sent.
+  /// RPDOs that somebody sends and the kernel does not have yet, but for stops, never leave: `timeout` with
+  /// Error::not_sent.
   void withdraw();
 
   /// A command of `object` goes by SDO now: its RPDO is not repeated before refresh(), or it would bring back the value

@@ -83,6 +83,10 @@ class RemoteNode {
   /// repeated with what NodeEvents::repetition() tells, where the node supervises it.
   boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
                                                  TransmitClass transmit_class, TimePoint deadline);
+  /// What completes a stop by RPDO: see SdoClient::read_for_stop().
+  boost::asio::awaitable<Result<Raw>> read_for_stop(ObjectAddress object, DataType type, TimePoint deadline);
+  /// A stop under way by SDO is not waited for much longer: another one is to follow.
+  void hurry_stop(TimePoint deadline) { sdo_.hurry_stop(deadline); }
   /// The longest that this node took to confirm one of its newest writes.
   [[nodiscard]] Duration write_time() const noexcept { return sdo_.write_time(); }
   /// The command under way, by RPDO or SDO, never leaves where it has not left yet.

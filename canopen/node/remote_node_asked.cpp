@@ -92,7 +92,9 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataT
 boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw,
                                                        TimePoint deadline) {
   if (!takes_commands()) {
-    co_return offline_error(object, "the drive is not online and operational");
+    Error refused = offline_error(object, "the drive is not online and operational");
+    refused.not_sent = true;
+    co_return refused;
   }
   co_return co_await sdo_.write_command(object, type, raw, deadline);
 }
@@ -114,10 +116,20 @@ boost::asio::awaitable<Result<void>> RemoteNode::write_stop(ObjectAddress object
   co_return result;
 }
 
+boost::asio::awaitable<Result<Raw>> RemoteNode::read_for_stop(ObjectAddress object, DataType type, TimePoint deadline) {
+  const Operation operation(*this);
+  if (!takes_commands()) {
+    co_return offline_error(object, "the drive is not online and operational");
+  }
+  co_return co_await sdo_.read_for_stop(object, type, deadline);
+}
+
 boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
                                                            TransmitClass transmit_class, TimePoint deadline) {
   if (!takes_commands()) {
-    co_return offline_error({}, "the drive is not online and operational");
+    Error refused = offline_error({}, "the drive is not online and operational");
+    refused.not_sent = true;
+    co_return refused;
   }
   co_return co_await outputs_.send(number, std::move(values), transmit_class, deadline);
 }

@@ -32,16 +32,20 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read(ObjectAddress object, DataTy
                                                     TimePoint due) {
   SdoTransfer transfer = upload(object, byte_length(type));
   const Result<Bytes> bytes = co_await run(std::move(transfer), tries, due);
+  co_return raw_of(bytes, object, type);
+}
+
+Result<Raw> SdoClient::raw_of(const Result<Bytes>& bytes, ObjectAddress object, DataType type) const {
   if (bytes.has_error()) {
-    co_return bytes.error();
+    return bytes.error();
   }
   if (const std::optional<Raw> raw = decode_raw(type, bytes.value())) {
-    co_return *raw;
+    return *raw;
   }
   Error too_short{.kind = ErrorKind::protocol,
                   .detail = "answer has " + std::to_string(bytes.value().size()) + " bytes, type " +
                             std::string(name_of(type)) + " needs " + std::to_string(byte_length(type))};
-  co_return addressed(std::move(too_short), object);
+  return addressed(std::move(too_short), object);
 }
 
 boost::asio::awaitable<Result<void>> SdoClient::write(ObjectAddress object, DataType type, Raw raw) {

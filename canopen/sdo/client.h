@@ -88,6 +88,11 @@ class SdoClient {
   boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
                                                   unsigned most_sent = kStopsSent);
 
+  /// Upload for the sake of a stop: in its lane, tried once, until `deadline`.
+  boost::asio::awaitable<Result<Raw>> read_for_stop(ObjectAddress object, DataType type, TimePoint deadline);
+  /// Another stop waits: the one under way has 100 ms more for its answer.
+  void hurry_stop(TimePoint deadline);
+
   /// Fails what is under way or waits with `offline`; what has not left is withdrawn. But a stop that has not left
   /// stays and goes; the outcome of one that has is unknown. The client can be used again at once.
   void interrupt();
@@ -114,6 +119,7 @@ class SdoClient {
   static constexpr const char* kMayBeOlder = "the answer may be that to an earlier request";
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
+  [[nodiscard]] Result<Raw> raw_of(const Result<Bytes>& bytes, ObjectAddress object, DataType type) const;
   boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries, TimePoint due);
   /// Whether no late answer for `object` can come any more.
   boost::asio::awaitable<bool> prove(ObjectAddress object, TimePoint until);

@@ -45,6 +45,25 @@ boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object,
   }
 }
 
+boost::asio::awaitable<Result<Raw>> SdoClient::read_for_stop(ObjectAddress object, DataType type, TimePoint deadline) {
+  SdoLine::Place place(line_, SdoLine::Kind::stop, Clock::now());
+  make_way(deadline);
+  if (!co_await place.wait_until(deadline)) {
+    co_return addressed(*place.called_off(), object);
+  }
+  abort_.reset();
+  SdoExchange exchange(channel_, upload(object, byte_length(type)), TransmitClass::stop, deadline, unanswered_.any());
+  co_await carry_out(exchange);
+  co_return raw_of(result(exchange, object), object, type);
+}
+
+void SdoClient::hurry_stop(TimePoint deadline) {
+  if (exchange_ != nullptr && exchange_->is_stop()) {
+    const TimePoint now = Clock::now();
+    exchange_->hurry(now + std::min(kStopPatience, (deadline - now) / 2));
+  }
+}
+
 void SdoClient::make_way(TimePoint deadline) {
   if (exchange_ == nullptr || exchange_->is_stop()) {
     return;

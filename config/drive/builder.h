@@ -64,9 +64,6 @@ template <class S>
   return place;
 }
 
-/// CiA 301 §7.4.7: data types stand for dummy entries of a mapping.
-[[nodiscard]] bool is_dummy(canopen::ObjectAddress object) noexcept;
-
 /// Where a key of `[drive.commands]` stands; the drive where it is left out.
 [[nodiscard]] Place command_place(const DriveDraft& draft, std::string_view key);
 

@@ -211,10 +211,6 @@ void check_cob_ids(const DriveDraft& draft) {
 
 }  // namespace
 
-bool is_dummy(ObjectAddress object) noexcept {
-  return object.index >= 0x0001 && object.index <= 0x0007;
-}
-
 void take_pdos(DriveDraft& draft) {
   const auto by_number = [](const PdoDraft& a, const PdoDraft& b) { return a.settings.number < b.settings.number; };
   const auto take = [&](const std::vector<Said<PdoKeys>>& all, std::vector<PdoDraft>& pdos) {

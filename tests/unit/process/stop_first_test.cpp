@@ -293,16 +293,78 @@ TEST_F(StopFirstTest, NothingThatIsRepeatedHoldsARunWordOnceAStopCame) {
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
   run_motor();
-  show(0);
-  show(test::kRunningBit);
-  const Sent stop = stop_by(Writer::Way::mqtt);
-  EXPECT_TRUE(finish(stop, 100ms).has_value());
+  run(150ms);
+  ASSERT_FALSE(rpdos().empty());
+  ASSERT_EQ(rpdos().back()[0], 1) << "the run command is repeated";
   slave_.forget_heard();
+  const Sent stop = stop_by(Writer::Way::mqtt);
   run(1s);
+  ASSERT_TRUE(stop.done());
   ASSERT_GE(rpdos().size(), 9U);
   for (const Bytes& rpdo : rpdos()) {
     EXPECT_EQ(rpdo[0], kStop);
   }
+}
+
+TEST_F(StopFirstTest, DoesNotWaitForTheSetPointsOfAnOlderStop) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.mute(test::kFrequency);
+  const Sent older = write_by(origin(), {field("control_command", kStop), field("frequency_command", 10.0)});
+  run(30ms);
+  slave_.forget_heard();
+  const Sent stop = stop_by(Writer::Way::mqtt);
+  EXPECT_LE(until_on_wire(400ms), 150ms);
+  EXPECT_TRUE(finish(stop, 100ms).has_value());
+  EXPECT_TRUE(finish(older, 900ms).has_error());
+}
+
+TEST_F(StopFirstTest, LeavesByRpdoWhileAnOlderStopWaitsForItsAnswer) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.mute(test::kControl);
+  const Sent older = stop_by(Writer::Way::modbus);
+  run(30ms);
+  slave_.forget_heard();
+  const Sent stop =
+      write_by(origin(Writer::Way::mqtt),
+               {field("control_command", kStop), field("frequency_command", 10.0), field("torque_command", 0.0)});
+  run(5ms);
+  EXPECT_EQ(rpdos(), std::vector<Bytes>({{5, 0, 0xE8, 0x03, 0, 0}}));
+  finish(older, 900ms);
+  finish(stop, 900ms);
+}
+
+TEST_F(StopFirstTest, ADriveThatTakesItByPdoOnlyAndDoesNotTellItsSetPointIsAnsweredInTime) {
+  bring_online();
+  slave_.refuse_write(test::kControl, 0x06010002);
+  slave_.mute(test::kFrequency);
+  show(test::kRunningBit);
+  expect_refused(finish(stop_by(Writer::Way::modbus), 801ms), ErrorKind::incomplete);
+}
+
+TEST_F(StopFirstTest, ARefusalByTheStateOfTheDriveIsTriedByRpdo) {
+  bring_online();
+  slave_.refuse_write(test::kControl, 0x08000022);
+  show(test::kRunningBit);
+  EXPECT_TRUE(finish(stop_by(Writer::Way::modbus), 100ms).has_value());
+  EXPECT_EQ(rpdos(), std::vector<Bytes>({{5, 0, 0, 0, 0, 0}}));
+}
+
+TEST_F(StopFirstTest, TellsWhereTheDriveHeldItAlready) {
+  bring_online();
+  EXPECT_FALSE(write_now({field("control_command", kStop)}).unchanged);
+  EXPECT_TRUE(write_now({field("control_command", kStop)}).unchanged);
+}
+
+TEST_F(StopFirstTest, ItsSetPointsAreNotSentOnceTheGatewayEnds) {
+  bring_online();
+  slave_.delay_answers(20ms);
+  const Sent stop = write_by(origin(), {field("control_command", kStop), field("frequency_command", 10.0)});
+  run(5ms);
+  drive_->close();
+  EXPECT_TRUE(finish(stop, 100ms).has_error());
+  EXPECT_EQ(sdo_writes(), Objects{test::kControl});
 }
 
 TEST_F(StopFirstTest, NeedsPermission) {
@@ -318,24 +380,33 @@ TEST_F(StopFirstTest, OneForAllIsTheFirstStopOfTheProfile) {
   EXPECT_EQ(slave_.value(test::kControl), kStop);
 }
 
-/// Runs of two writers and stops of a third in random order, each run with a word of its own.
+/// Runs of two writers, set-points and stops of a third in random order, each run with a word of its own.
 class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface<bool> {
  protected:
   struct Given {
     Sent sent;
-    Raw word = 0;
+    Raw word = 0;  ///< Of a run; of a stop the newest run before it; 0: set-points only.
+    bool stop = false;
     bool told = false;
   };
 
+  RandomOrderTest() { model_.commands.deadline = 400ms; }
+
+  void tick() {
+    run(1ms);
+    hear();
+    look();
+  }
   /// The drive: RPDOs act at once; an SDO write when it is answered.
   void hear() {
     const auto& heard = slave_.heard();
     for (; heard_ < heard.size(); ++heard_) {
       const canopen::Frame& frame = heard[heard_];
       if (frame.id == kRpdo1) {
-        note(static_cast<Raw>(frame.data[0] | frame.data[1] << 8), canopen::Clock::now());
-      } else if (frame.id == 0x605 && frame.data[0] == 0x2B && frame.data[1] == 0x30 && frame.data[3] == 2) {
-        note(static_cast<Raw>(frame.data[4] | frame.data[5] << 8), canopen::Clock::now() + delay_);
+        note(word_at(frame, 0), canopen::Clock::now());
+      } else if (is_control_write(frame)) {
+        note(word_at(frame, 4), canopen::Clock::now() + delay_ - 1ms);
+        ++by_sdo_;
       }
     }
     while (!effects_.empty() && effects_.begin()->first <= canopen::Clock::now()) {
@@ -344,7 +415,14 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
       check("takes effect in the drive");
     }
   }
+  static Raw word_at(const canopen::Frame& frame, std::size_t byte) {
+    return static_cast<Raw>(frame.data[byte] | frame.data[byte + 1] << 8);
+  }
+  static bool is_control_write(const canopen::Frame& frame) {
+    return frame.id == 0x605 && frame.data[0] == 0x2B && frame.data[1] == 0x30 && frame.data[3] == 2;
+  }
   void note(Raw word, canopen::TimePoint at) {
+    on_bus_.push_back(word);
     if (word != kStop) {
       EXPECT_FALSE(stopped_ && word <= *stopped_)
           << "run " << word << " is on the bus after a newer stop was confirmed";
@@ -357,71 +435,110 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
   }
   void look() {
     for (Given& each : given_) {
-      if (!each.told && each.sent.done()) {
-        each.told = true;
-        if (each.word < 0x8000 || !each.sent.get().has_value()) {
-          continue;
-        }
-        stopped_ = std::max(stopped_.value_or(0), each.word - 0x8000);
+      if (each.told || !each.sent.done()) {
+        continue;
+      }
+      each.told = true;
+      const Outcome outcome = each.sent.get();
+      ++outcomes_[(each.stop ? "stop " : "run ") +
+                  (outcome.has_value() ? "ok" : std::string(name_of(outcome.error().kind)))];
+      if (each.stop && outcome.has_value()) {
+        stopped_ = std::max(stopped_.value_or(0), each.word);
         check("is held");
       }
     }
   }
   void give(std::mt19937& random) {
-    const auto kind = random() % 5;
-    if (kind == 0) {
-      given_.push_back({stop_by(Writer::Way::local), 0x8000 + next_word_ - 1});
+    const auto kind = random() % 10;
+    const Writer::Way way = random() % 2 == 0 ? Writer::Way::modbus : Writer::Way::mqtt;
+    std::vector<FieldWrite> fields;
+    if (kind == 9) {
+      given_.push_back({write_by(origin(way), {field("frequency_command", 7.0)})});
       return;
     }
-    std::vector<FieldWrite> fields{field("control_command", next_word_)};
-    if (kind > 2) {
+    const bool stop = kind < 3;
+    const Raw word = stop ? kStop : next_word_;
+    fields.push_back(field("control_command", word));
+    if (kind == 2 || kind == 8) {
       fields.push_back(field("frequency_command", 10.0));
       fields.push_back(field("torque_command", 0.0));
     }
-    given_.push_back(
-        {write_by(origin(kind % 2 == 0 ? Writer::Way::modbus : Writer::Way::mqtt), std::move(fields)), next_word_});
-    ++next_word_;
+    given_.push_back({write_by(origin(stop ? Writer::Way::local : way), std::move(fields)),
+                      stop ? next_word_ - 1 : next_word_++, stop});
+  }
+  [[nodiscard]] bool all_told() const {
+    return std::all_of(given_.begin(), given_.end(), [](const Given& each) { return each.told; });
+  }
+  void expect_nothing_superseded_on_the_bus() const {
+    for (const Given& each : given_) {
+      const Outcome outcome = each.sent.get();
+      if (!each.stop && each.word != 0 && outcome.has_error() && outcome.error().kind == ErrorKind::superseded) {
+        EXPECT_EQ(std::count(on_bus_.begin(), on_bus_.end(), each.word), 0) << "run " << each.word;
+      }
+    }
+  }
+  /// The set-points are forgotten now and then, so that words go by SDO as well as by RPDO.
+  void begin_anew(std::mt19937& random) {
+    given_.clear();
+    effects_.clear();
+    on_bus_.clear();
+    if (random() % 2 == 0) {
+      slave_.set_state(127);
+      slave_.send(0x705, {127});
+      run(5ms);
+      slave_.set_state(5);
+      slave_.send(0x705, {5});
+      run(5ms);
+      show(test::kRunningBit);
+    }
+    slave_.forget_heard();
+    heard_ = 0;
+    stopped_.reset();
+    holds_ = 0;
   }
 
   Duration delay_{};
   std::size_t heard_ = 0;
   std::multimap<canopen::TimePoint, Raw> effects_;
+  std::vector<Raw> on_bus_;
   std::vector<Given> given_;
   std::optional<Raw> stopped_;  ///< Runs up to this word are older than a confirmed stop.
   Raw next_word_ = 100;
   Raw holds_ = 0;
+  int by_sdo_ = 0;
+  std::map<std::string, int> outcomes_;
 };
 
 TEST_P(RandomOrderTest, AfterAConfirmedStopNoOlderRunIsOnTheBusOrTakesEffect) {
   bring_online();
   show(test::kRunningBit);
-  slave_.forget_heard();
   const bool slow = GetParam();
   for (unsigned seed = 1; seed <= 1000 && !HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
-    delay_ = std::chrono::milliseconds(slow ? 60 : random() % 5);
+    begin_anew(random);
+    ASSERT_EQ(drive_->status().nmt, canopen::NmtState::operational);
+    delay_ = std::chrono::milliseconds(slow ? 60 : 3 + random() % 10);
     slave_.delay_answers(delay_);
-    const auto commands = 2 + random() % 8;
-    for (unsigned i = 0; i < commands; ++i) {
+    for (auto commands = 3 + random() % 8; commands > 0; --commands) {
       give(random);
-      for (auto pause = random() % (slow ? 40 : 5); pause > 0; --pause) {
-        run(1ms);
-        hear();
-        look();
+      for (auto pause = random() % (slow ? 50 : 12); pause > 0; --pause) {
+        tick();
       }
     }
-    for (int ms = 0; ms < (slow ? 150 : 30); ++ms) {
-      run(1ms);
-      hear();
-      look();
+    for (int ms = 0; ms < 900 && !all_told(); ++ms) {
+      tick();
     }
-    std::erase_if(given_, [](const Given& each) { return each.told; });
-    if (seed % 50 == 0) {
-      heard_ = 0;
-      slave_.forget_heard();
+    for (int ms = 0; ms < 2 * delay_ / 1ms; ++ms) {
+      tick();
     }
+    ASSERT_TRUE(all_told());
+    expect_nothing_superseded_on_the_bus();
   }
+  EXPECT_GE(by_sdo_, 500) << "a test of nothing";
+  EXPECT_GE(outcomes_["run superseded"], 100) << testing::PrintToString(outcomes_);
+  EXPECT_GE(outcomes_["run ok"], 500) << testing::PrintToString(outcomes_);
+  EXPECT_GE(outcomes_["stop ok"], 500) << testing::PrintToString(outcomes_);
 }
 
 INSTANTIATE_TEST_SUITE_P(SdoTask, RandomOrderTest, testing::Bool(),

@@ -96,6 +96,16 @@ TEST_F(CommandsTest, EmergencyOfAWarningDoesNot) {
   expect_setpoint_rides_on_rpdo();
 }
 
+TEST_F(CommandsTest, TheEndOfAWarningLeavesASupervisedMotorRunning) {
+  model_.node.rpdos[0].event_timer = std::uint16_t{300};
+  bring_online();
+  run_motor();
+  emcy(0x0040, 0x01);
+  emcy(0x0000, 0x00);
+  run(1s);
+  EXPECT_GE(rpdos().size(), 9U) << "it would trip";
+}
+
 TEST_F(CommandsTest, WhatWasCommandedDuringAFaultIsVoidAfterIt) {
   bring_online();
   show(test::kFaultBit);
