@@ -17,14 +17,14 @@ namespace {
 using namespace std::chrono_literals;
 using test::PlantSite;
 
-constexpr canopen::ObjectAddress kControlObject{0x2000, 1};
+constexpr canopen::ObjectAddress kControlWord{0x2000, 1};
 const std::string kRoot = "canopen/line3/";
 
 /// Stops as in CiA 402: any word without bit 1 (0), or without bit 2 (quick stop), or shutdown.
 config::Model cia402_model() {
   config::Model model = PlantSite::bridge_model();
   config::Drive& drive = model.drives[0];
-  drive.node.motor.control = kControlObject;
+  drive.node.motor.control = kControlWord;
   drive.node.motor.stops = {
       {.mask = 0xF882, .equals = 0}, {.mask = 0xF884, .equals = 0}, {.mask = 0xF887, .equals = 0x0006}};
   drive.commands.lease = 10s;
@@ -66,7 +66,7 @@ class Site {
   [[nodiscard]] std::vector<canopen::Raw> words() {
     std::vector<canopen::Raw> raw;
     for (const canopen::ObjectValue& value : site.puppet().written) {
-      if (value.object == kControlObject) {
+      if (value.object == kControlWord) {
         raw.push_back(value.raw);
       }
     }
