@@ -81,19 +81,17 @@ void Requests::handle(const Incoming& incoming) {
     return;
   }
   const canopen::TimePoint now = canopen::Clock::now();
-  const bool expired = is_expired(incoming, now);
+  command.expired = is_expired(incoming, now);
   Asker asker{.to = command.to, .left_out = command.left_out};
-  if (may_repeat(incoming, command)) {
+  if (command.allowed && may_repeat(incoming, command)) {
     const auto earlier = under_way_->duplicates.earlier(incoming, command.has_id, now);
-    if (earlier && !expired) {
+    if (earlier && !command.expired) {
       under_way_->repeat(command.to, *earlier);
       return;
     }
     asker.ticket = earlier ? Duplicates::kNone : under_way_->duplicates.remember(incoming, now);
   }
-  const Result<void> begun =
-      expired ? Error{.kind = ErrorKind::expired, .detail = "the command came after its message expiry interval"}
-              : begin(incoming, command, asker);
+  const Result<void> begun = begin(incoming, command, asker);
   if (begun.has_error()) {
     under_way_->settle(asker, begun.error());
   }
@@ -111,7 +109,7 @@ bool Requests::is_stop(const Incoming& incoming) const {
     return false;
   }
   const Command command = take_apart(incoming, *route);
-  return command.stops && (command.drive == nullptr || !process::refuse_writer(command.drive->model(), mqtt_writer()));
+  return command.stops && command.allowed;
 }
 
 boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
@@ -137,6 +135,7 @@ Requests::Command Requests::take_apart(const Incoming& incoming, const Route& ro
                   .reads = asks_to_read(route, parsed),
                   .asked = asked_of(drive == nullptr ? nullptr : &drive->model(), route, parsed)};
   command.to.id = parsed.id;
+  command.allowed = drive == nullptr || command.reads || !process::refuse_writer(drive->model(), mqtt_writer());
   if (command.asked.has_error() && drive != nullptr) {
     std::vector<process::FieldWrite> sound = sound_fields_of(drive->model(), route, parsed);
     if (drive->is_stop(sound)) {
@@ -169,10 +168,9 @@ std::optional<Error> Requests::refuse_sender(const Incoming& incoming, const Com
     return Error{.kind = ErrorKind::retained,
                  .detail = "a retained command is never carried out; its topic was emptied"};
   }
-  if (command.drive != nullptr && !command.reads) {
-    if (auto refused = process::refuse_writer(command.drive->model(), mqtt_writer())) {
-      return refused;
-    }
+  if (!command.allowed) {
+    // One without a mistake is refused by its drive, so that it stands in the journal.
+    return command.asked.has_error() ? process::refuse_writer(command.drive->model(), mqtt_writer()) : std::nullopt;
   }
   // A stop for all is not lost for the sake of its answer.
   const bool stops_all = command.drive == nullptr && command.stops;
@@ -184,6 +182,11 @@ std::optional<Error> Requests::refuse_sender(const Incoming& incoming, const Com
 }
 
 Result<void> Requests::begin(const Incoming& incoming, Command& command, const Asker& asker) {
+  // Of others their drive says so, and they stand in the journal. SDO requests may have mistakes that it looks at
+  // first.
+  if (command.expired && (command.asked.has_error() || command.drive == nullptr || command.to.sdo)) {
+    return Error{.kind = ErrorKind::expired, .detail = "the command came after its message expiry interval"};
+  }
   if (command.asked.has_error()) {
     return told_before(command.drive, command.asked.error());
   }
@@ -193,7 +196,8 @@ Result<void> Requests::begin(const Incoming& incoming, Command& command, const A
     return {};
   }
   std::size_t& among = (command.reads ? under_way_->reads : under_way_->commands).at(command.drive->index());
-  if (!command.stops && among >= (command.reads ? kMaxReads : kMaxCommands)) {
+  const bool waits = command.allowed && !command.expired && !command.stops;
+  if (waits && among >= (command.reads ? kMaxReads : kMaxCommands)) {
     under_way_->duplicates.forget(asker.ticket);  // it may come again with the same id
     return Error{.kind = ErrorKind::timeout,
                  .detail = std::string("too many ") + (command.reads ? "reads" : "commands") +

@@ -54,6 +54,8 @@ class Requests {
     std::string id;  ///< For the journal and the log.
     bool reads = false;
     bool stops = false;
+    bool allowed = true;  ///< MQTT may write this drive, or nothing is written.
+    bool expired = false;
     canopen::Result<Asked> asked;
     std::optional<canopen::Error> left_out{};  ///< A mistake beside a stop.
   };

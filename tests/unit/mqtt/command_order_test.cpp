@@ -111,6 +111,21 @@ TEST(CommandOrder, WhoMayNotWriteIsToldNothingElse) {
       << "reading needs no permission";
 }
 
+TEST(CommandOrder, WhatIsForbiddenOrExpiredStandsInTheJournal) {
+  Ids journal;
+  Incoming command{.topic = "pump1/frequency_command/set", .payload = R"({"value":30.0,"id":"a1"})", .expiry = 0};
+  Site closed(without_mqtt());
+  closed.site.plant().drive(0).set_journal(&journal);
+  EXPECT_EQ(closed.code(command), "forbidden");
+  command.response_topic = kRoot + "pump1/set";
+  EXPECT_EQ(closed.code(command), "forbidden");
+  command.response_topic.clear();
+  Site open(cia402_model());
+  open.site.plant().drive(0).set_journal(&journal);
+  EXPECT_EQ(open.code(command), "expired");
+  EXPECT_EQ(journal.ids, (std::vector<std::string>{"a1", "a1", "a1"}));
+}
+
 TEST(CommandOrder, ExpiredGoesBeforeAllMistakes) {
   Site there(cia402_model());
   for (Incoming mistake : kMistakes) {
@@ -119,6 +134,22 @@ TEST(CommandOrder, ExpiredGoesBeforeAllMistakes) {
     mistake.expiry = 0;
     EXPECT_EQ(there.code(mistake), "expired") << mistake.topic << " " << mistake.payload;
   }
+}
+
+TEST(CommandOrder, ExpiredGoesBeforeAllThatIsDone) {
+  Site there(cia402_model());
+  const std::vector<Incoming> late = {
+      {.topic = "pump1/frequency_command/set", .payload = "30"},
+      {.topic = "pump1/control_command/set", .payload = "6"},
+      {.topic = "pump1/nmt/set", .payload = "start"},
+      {.topic = "pump1/sdo/request", .payload = R"({"op":"read","object":"0x2002:03","type":"u16"})"},
+      {.topic = "pump1/sdo/request", .payload = R"({"op":"write","object":"0x2031:00","type":"u32","value":1})"},
+  };
+  for (Incoming command : late) {
+    command.expiry = 0;
+    EXPECT_EQ(there.code(command), "expired") << command.topic << " " << command.payload;
+  }
+  EXPECT_TRUE(there.site.puppet().written.empty());
 }
 
 TEST(CommandOrder, TheLeaseGoesBeforeAccessTypeAndRange) {
