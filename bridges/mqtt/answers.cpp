@@ -31,10 +31,45 @@ void append_error(ObjectText& object, const canopen::Error& error) {
   object.text("error", text_of(error));
 }
 
-void append_id(ObjectText& object, const ReplyTo& to) {
+// The client's own id as he wrote it, else the one by which the journal knows the command.
+void append_id(ObjectText& object, const ReplyTo& to, std::string_view made = {}) {
   if (!to.id.empty()) {
     object.key("id") += to.id;
+  } else if (!made.empty()) {
+    object.text("id", made);
   }
+}
+
+void append_outcome(ObjectText& object, const process::Outcome& outcome) {
+  object.boolean("ok", outcome.has_value());
+  if (outcome.has_error()) {
+    append_error(object, outcome.error());
+  }
+}
+
+// Both forms have the same members, each in an order of its own.
+std::string answer_text(const ReplyTo& to, const process::Outcome& outcome, const std::optional<std::string>& first) {
+  std::string payload;
+  ObjectText object(payload);
+  if (to.sdo) {
+    append_id(object, to, outcome.id);
+  }
+  append_outcome(object, outcome);
+  if (first) {
+    object.key("first") += *first;
+  }
+  if (!to.sdo) {
+    object.text("topic", to.command_topic);
+    append_id(object, to, outcome.id);
+  }
+  if (outcome.unchanged) {
+    object.boolean("unchanged", true);
+  }
+  if (!outcome.note.empty()) {
+    object.text("note", outcome.note);
+  }
+  object.close();
+  return payload;
 }
 
 void append_raw(ObjectText& object, canopen::DataType type, canopen::Raw raw) {
@@ -58,16 +93,21 @@ Message answer(const ReplyTo& to, std::string payload) {
 }  // namespace
 
 Message command_answer(const ReplyTo& to, const process::Outcome& outcome) {
-  std::string payload;
-  ObjectText object(payload);
-  object.boolean("ok", outcome.has_value());
-  if (outcome.has_error()) {
-    append_error(object, outcome.error());
-  }
-  object.text("topic", to.command_topic);
-  append_id(object, to);
+  return answer(to, answer_text(to, outcome, std::nullopt));
+}
+
+std::string first_outcome(const process::Outcome& outcome) {
+  std::string text;
+  ObjectText object(text);
+  append_outcome(object, outcome);
   object.close();
-  return answer(to, std::move(payload));
+  return text;
+}
+
+Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& first) {
+  const canopen::Error duplicate{.kind = canopen::ErrorKind::duplicate,
+                                 .detail = "the same command came within the last 60 s"};
+  return answer(to, answer_text(to, duplicate, first));
 }
 
 Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,

@@ -16,10 +16,20 @@ struct ReplyTo {
   std::optional<std::string> correlation{};
   std::string command_topic{};  ///< Of the command.
   std::string id{};             ///< As JSON text; empty: none.
+  bool sdo = false;             ///< In the form of answers to SDO requests: id first, no topic.
 };
 
-/// `{"ok":true,"topic":"…","id":"a1"}` or `{"ok":false,"code":"range","error":"…","topic":"…"}`.
+/// `{"ok":true,"topic":"…","id":"a1"}` or `{"ok":false,"code":"range","error":"…","topic":"…"}`. Where the client gave
+/// no id, that of the outcome stands there. `"unchanged":true` and `"note"` are there where there is such a thing to
+/// say.
 [[nodiscard]] Message command_answer(const ReplyTo& to, const process::Outcome& outcome);
+
+/// What became of a command, as it stands in the answers to its repetitions: `{"ok":true}` or
+/// `{"ok":false,"code":"refused","abort":"0x08000022","error":"…"}`.
+[[nodiscard]] std::string first_outcome(const process::Outcome& outcome);
+
+/// To a repetition: code `duplicate`, with `first` beside it where it is given.
+[[nodiscard]] Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& first);
 
 /// `{"id":"7","ok":true,"value":0}`; the value of a write is left out. `type` is that of the value.
 [[nodiscard]] Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,

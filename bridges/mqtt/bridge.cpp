@@ -42,7 +42,9 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
   }
 }
 
-Bridge::~Bridge() = default;
+Bridge::~Bridge() {
+  broker_.reset();  // its threads ask is_stop() until then
+}
 
 void Bridge::start() {
   running_ = true;

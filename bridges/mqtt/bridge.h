@@ -57,6 +57,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_disconnected() override;
   void on_subscribed(bool granted) override;
   void on_message(Incoming message) override;
+  [[nodiscard]] bool is_stop(const Incoming& message) const override { return requests_.is_stop(message); }
 
   boost::asio::awaitable<void> run();
   /// Publishes what is due; returns when to come again.

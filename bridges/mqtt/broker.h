@@ -17,7 +17,7 @@ struct Subscription {
   int qos = 1;
 };
 
-/// What a broker tells. Always on the loop, in the order in which it happened.
+/// What a broker tells, on the loop, in the order in which it happened; and what it asks.
 class BrokerEvents {
  public:
   virtual void on_connected(ConnectionId connection) = 0;
@@ -25,6 +25,8 @@ class BrokerEvents {
   /// The answer to subscribe(): false when the broker refused any of it.
   virtual void on_subscribed(bool granted) = 0;
   virtual void on_message(Incoming message) = 0;
+  /// From any thread, until stop(): the message is a command that stops a motor, to be lost last.
+  [[nodiscard]] virtual bool is_stop(const Incoming& message) const = 0;
 
  protected:
   ~BrokerEvents() = default;

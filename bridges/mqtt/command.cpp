@@ -54,6 +54,7 @@ void take_id(Parsed& parsed) {
   }
   const Scalar value = id->second;
   members.erase(id);
+  parsed.id_text = value.text;
   if (value.kind == Scalar::Kind::number) {
     parsed.id = value.text;
   } else if (value.kind == Scalar::Kind::string) {

@@ -20,6 +20,7 @@ struct Parsed {
   /// A string or a number, as JSON text; empty: none.
   std::string id;
   canopen::Result<FlatObject> members;  ///< Without `id`.
+  std::string id_text{};                ///< The id as journal and log show it: the string's characters, or the digits.
 };
 
 /// Of `<signal>/set` and `nmt/set`: plain text or `{"value":…,"id":…}`; one member, `value`.

@@ -23,29 +23,98 @@ std::string key_of(const Incoming& command) {
 
 }  // namespace
 
-bool Duplicates::seen(const Incoming& command, bool has_id, canopen::TimePoint now) {
-  while (!entries_.empty() && now - entries_.front().at >= kMemory) {
-    forget_oldest();
+std::optional<Duplicates::Earlier> Duplicates::earlier(const Incoming& command, bool has_id, canopen::TimePoint now) {
+  forget_old(now);
+  const bool may_be_told = has_id || command.correlation.has_value() || command.redelivered;
+  const auto found = may_be_told ? entries_.find(key_of(command)) : entries_.end();
+  if (found == entries_.end()) {
+    return std::nullopt;
   }
-  std::string key = key_of(command);
-  if (keys_.contains(key)) {
-    // A repetition that passes for a new command (no id) is remembered by its first coming: good enough for DUP.
-    return has_id || command.correlation.has_value() || command.redelivered;
-  }
-  bytes_ += key.size();
-  const auto added = keys_.insert(std::move(key)).first;
-  entries_.push_back({now, *added});
-  while (bytes_ > kCapacity) {
-    forget_oldest();
-  }
-  return false;
+  return Earlier{found->second.ticket, found->second.first};
 }
 
-void Duplicates::forget_oldest() {
-  const std::string key(entries_.front().key);
-  entries_.pop_front();
-  bytes_ -= key.size();
-  keys_.erase(key);
+Duplicates::Ticket Duplicates::remember(const Incoming& command, canopen::TimePoint now) {
+  forget_old(now);
+  const auto [place, added] = entries_.try_emplace(key_of(command));
+  Entry& entry = place->second;
+  if (added) {
+    bytes_ += place->first.size();
+  } else {
+    by_age_.erase(entry.ticket);
+    bytes_ -= entry.first ? entry.first->size() : 0;
+  }
+  entry = {.ticket = ++last_, .at = now};
+  by_age_.emplace(entry.ticket, &*place);
+  limit();
+  return last_;
+}
+
+void Duplicates::settle(Ticket ticket, std::string first) {
+  const auto found = by_age_.find(ticket);
+  if (found == by_age_.end()) {
+    return;
+  }
+  Entry& entry = found->second->second;
+  bytes_ += first.size();
+  bytes_ -= entry.first ? entry.first->size() : 0;
+  entry.first = std::move(first);
+  limit();
+}
+
+void Duplicates::forget(Ticket ticket) {
+  const auto found = by_age_.find(ticket);
+  if (found == by_age_.end()) {
+    return;
+  }
+  const auto entry = entries_.find(found->second->first);
+  bytes_ -= entry->first.size() + (entry->second.first ? entry->second.first->size() : 0);
+  entries_.erase(entry);
+  by_age_.erase(found);
+}
+
+void Duplicates::forget_old(canopen::TimePoint now) {
+  while (!by_age_.empty() && now - by_age_.begin()->second->second.at >= kMemory) {
+    forget(by_age_.begin()->first);
+  }
+}
+
+void Duplicates::limit() {
+  while (bytes_ > kCapacity) {
+    forget(by_age_.begin()->first);
+  }
+}
+
+bool may_come_again(const process::Outcome& outcome) noexcept {
+  using canopen::ErrorKind;
+  if (outcome.has_value() || outcome.written != 0) {
+    return false;
+  }
+  const canopen::Error& error = *outcome.failure;
+  // An abort is the drive's answer to something that was sent.
+  if (error.outcome_unknown || error.abort != 0) {
+    return false;
+  }
+  switch (error.kind) {
+    case ErrorKind::forbidden:
+    case ErrorKind::offline:
+    case ErrorKind::lease:
+    case ErrorKind::range:
+    case ErrorKind::type:
+    case ErrorKind::incomplete:
+      return true;
+    case ErrorKind::unknown:
+    case ErrorKind::read_only:
+    case ErrorKind::refused:
+    case ErrorKind::timeout:
+    case ErrorKind::retained:
+    case ErrorKind::expired:
+    case ErrorKind::duplicate:
+    case ErrorKind::superseded:
+    case ErrorKind::voided:
+    case ErrorKind::protocol:
+      break;
+  }
+  return false;
 }
 
 }  // namespace mqtt

@@ -4,6 +4,19 @@
 #include <utility>
 
 namespace mqtt {
+namespace {
+
+std::size_t size_of(const Incoming& message) {
+  return message.payload.size() + message.topic.size() + message.response_topic.size() +
+         (message.correlation ? message.correlation->size() : 0);
+}
+
+}  // namespace
+
+void LoopPost::tell_stops_by(IsStop is_stop) {
+  const std::lock_guard lock(mutex_);
+  is_stop_ = std::move(is_stop);
+}
 
 void LoopPost::post(LoopEvent event) {
   const std::lock_guard lock(mutex_);
@@ -20,6 +33,7 @@ void LoopPost::close() {
   const std::lock_guard lock(mutex_);
   executor_.reset();
   events_.clear();
+  is_stop_ = nullptr;
   receiver_ = nullptr;
 }
 
@@ -29,13 +43,12 @@ void LoopPost::drain() {
   {
     const std::lock_guard lock(mutex_);
     events.swap(events_);
-    messages_ = 0;
-    bytes_ = 0;
-    dropped = std::exchange(dropped_, 0);
+    dropped = std::exchange(load_, {}).dropped;
   }
   if (dropped > 0) {
     events.emplace_back(Said{Level::error, "MQTT: " + std::to_string(dropped) +
-                                               " commands came faster than they could be taken and were dropped"});
+                                               " commands came faster than they could be taken and were dropped, "
+                                               "without an answer"});
   }
   const Receiver receiver = receiver_;  // close() may come out of what an event does
   for (LoopEvent& event : events) {
@@ -51,13 +64,29 @@ bool LoopPost::admit(const LoopEvent& event) {
   if (message == nullptr) {
     return true;
   }
-  const std::size_t size = message->payload.size() + message->topic.size();
-  if (messages_ >= kMaxMessages || bytes_ + size > kMaxBytes) {
-    ++dropped_;
+  const std::size_t size = size_of(*message);
+  if (!load_.full && load_.messages < kMaxMessages && load_.bytes + size <= kMaxBytes) {
+    ++load_.messages;
+    load_.bytes += size;
+    return true;
+  }
+  load_.full = true;
+  if (is_stop_ && is_stop_(*message) && admit_stop(*message, size)) {
+    return true;
+  }
+  ++load_.dropped;
+  return false;
+}
+
+bool LoopPost::admit_stop(const Incoming& stop, std::size_t size) {
+  const bool fits = load_.stops < kMaxMessages && load_.stop_bytes + size <= kMaxBytes;
+  // Nothing but stops comes behind it, so one that is there does all that another would.
+  const bool first_on_topic = load_.stops_on.insert(stop.topic).second;
+  if (!fits && !first_on_topic) {
     return false;
   }
-  ++messages_;
-  bytes_ += size;
+  ++load_.stops;
+  load_.stop_bytes += size;
   return true;
 }
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -30,17 +32,22 @@ struct Said {
 struct Ended {};
 using LoopEvent = std::variant<Connected, Disconnected, Subscribed, Said, Ended, Incoming>;
 
-/// Brings events from any thread to the loop, in order, many in one turn. Bounded: commands that the loop does not get
-/// to are dropped beyond kMaxMessages or kMaxBytes, and counted.
+/// Brings events from any thread to the loop, in order, many in one turn. Bounded: of commands that the loop does not
+/// get to, those beyond kMaxMessages or kMaxBytes are dropped, counted, and their number is told. Stops have as much
+/// room again; beyond that too, one is dropped only where another stop on its topic waits already, with no command
+/// behind it.
 class LoopPost : public std::enable_shared_from_this<LoopPost> {
  public:
   static constexpr std::size_t kMaxMessages = 1000;
   static constexpr std::size_t kMaxBytes = 4UL * 1024 * 1024;
   using Receiver = std::function<void(LoopEvent&)>;
+  using IsStop = std::function<bool(const Incoming&)>;
 
   LoopPost(boost::asio::any_io_executor executor, Receiver receiver)
       : executor_(std::move(executor)), receiver_(std::move(receiver)) {}
 
+  /// Before the first post(): tells stops from other commands. Called on any thread, not after close().
+  void tell_stops_by(IsStop is_stop);
   /// From any thread; does nothing after close().
   void post(LoopEvent event);
   /// On the loop: nothing arrives any more. The loop may be gone afterwards.
@@ -50,13 +57,23 @@ class LoopPost : public std::enable_shared_from_this<LoopPost> {
   void drain();
   /// False: it is one too many.
   [[nodiscard]] bool admit(const LoopEvent& event);
+  [[nodiscard]] bool admit_stop(const Incoming& stop, std::size_t size);
 
   std::mutex mutex_;
   std::optional<boost::asio::any_io_executor> executor_;  ///< Nothing after close().
   std::vector<LoopEvent> events_;
-  std::size_t messages_ = 0;
-  std::size_t bytes_ = 0;
-  std::size_t dropped_ = 0;
+  /// What was posted since the loop came last.
+  struct Load {
+    std::size_t messages = 0;
+    std::size_t bytes = 0;
+    bool full = false;  ///< A command was dropped: none that comes later goes in its place.
+    std::size_t stops = 0;
+    std::size_t stop_bytes = 0;
+    std::set<std::string> stops_on;  ///< Topics of the stops that came since it is full.
+    std::size_t dropped = 0;
+  };
+  Load load_;
+  IsStop is_stop_;
   Receiver receiver_;  ///< Used on the loop only.
 };
 

@@ -26,6 +26,7 @@ Publisher::~Publisher() {
 
 void Publisher::start(BrokerEvents& events) {
   events_ = &events;
+  loop_->tell_stops_by([&events](const Incoming& message) { return events.is_stop(message); });
   thread_ = std::thread([worker = worker_] { worker->run(); });
 }
 

@@ -5,6 +5,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <exception>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "bridges/mqtt/under_way.h"
@@ -22,16 +23,12 @@ process::Writer mqtt_writer() {
   return {.way = process::Writer::Way::mqtt, .address = {}};
 }
 
-process::Origin origin_of(const Incoming& incoming) {
-  process::Origin origin{.writer = mqtt_writer(), .received = incoming.received};
+process::Origin origin_of(const Incoming& incoming, std::string id) {
+  process::Origin origin{.writer = mqtt_writer(), .id = std::move(id), .received = incoming.received};
   if (incoming.expiry) {
     origin.expires = incoming.received + std::chrono::seconds(*incoming.expiry);
   }
   return origin;
-}
-
-bool is_sdo(const Route& route) {
-  return route.kind == Route::Kind::sdo;
 }
 
 // Expired already when it came, or while it waited for the loop (MQTT 5 §3.3.2.3.3).
@@ -39,8 +36,19 @@ bool is_expired(const Incoming& incoming, canopen::TimePoint now) {
   return incoming.expiry && now - incoming.received >= std::chrono::seconds(*incoming.expiry);
 }
 
-Message refusal(const Route& route, const ReplyTo& to, const Error& error) {
-  return is_sdo(route) ? sdo_answer(to, error, canopen::DataType::u8) : command_answer(to, error);
+// The lease goes before access, type and range, also where they are found out here and not by the arbiter.
+Error told_before(const process::Drive* drive, const Error& mistake) {
+  const bool later =
+      mistake.kind == ErrorKind::read_only || mistake.kind == ErrorKind::type || mistake.kind == ErrorKind::range;
+  const auto holder = drive == nullptr || !later ? std::nullopt : drive->control().holder;
+  if (!holder || *holder == mqtt_writer()) {
+    return mistake;
+  }
+  return {.kind = ErrorKind::lease, .detail = to_string(*holder) + " holds the lease"};
+}
+
+bool carries_no_command(const Route& route) {
+  return route.kind == Route::Kind::alarm || route.kind == Route::Kind::alive;
 }
 
 }  // namespace
@@ -64,17 +72,44 @@ void Requests::handle(const Incoming& incoming) {
   if (incoming.payload.empty()) {
     return;
   }
-  const Command command = take_apart(incoming, *route);
-  Result<void> begun = check(incoming, command);
+  Command command = take_apart(incoming, *route);
   if (incoming.retained) {
     under_way_->send({.topic = incoming.topic, .payload = {}});
   }
-  if (begun.has_value()) {
-    begun = begin(incoming, command);
+  if (const auto refused = refuse_sender(incoming, command)) {
+    under_way_->send(command_answer(command.to, *refused));
+    return;
   }
+  const canopen::TimePoint now = canopen::Clock::now();
+  command.expired = is_expired(incoming, now);
+  Asker asker{.to = command.to, .left_out = command.left_out};
+  if (command.allowed && may_repeat(incoming, command)) {
+    const auto earlier = under_way_->duplicates.earlier(incoming, command.has_id, now);
+    if (earlier && !command.expired) {
+      under_way_->repeat(command.to, *earlier);
+      return;
+    }
+    asker.ticket = earlier ? Duplicates::kNone : under_way_->duplicates.remember(incoming, now);
+  }
+  const Result<void> begun = begin(incoming, command, asker);
   if (begun.has_error()) {
-    under_way_->send(refusal(*route, command.to, begun.error()));
+    under_way_->settle(asker, begun.error());
   }
+}
+
+// A mistake in it is told each time.
+bool Requests::may_repeat(const Incoming& incoming, const Command& command) {
+  return !command.reads && !command.stops && incoming.payload.size() <= kMaxCommand &&
+         (command.asked.has_value() || !may_come_again(command.asked.error()));
+}
+
+bool Requests::is_stop(const Incoming& incoming) const {
+  const auto route = topics_.route(incoming.topic);
+  if (!route || carries_no_command(*route) || incoming.retained || incoming.payload.empty()) {
+    return false;
+  }
+  const Command command = take_apart(incoming, *route);
+  return command.stops && command.allowed;
 }
 
 boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
@@ -88,72 +123,102 @@ boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
   under_way->publish = nullptr;
 }
 
-Requests::Command Requests::take_apart(const Incoming& incoming, const Route& route) {
+Requests::Command Requests::take_apart(const Incoming& incoming, const Route& route) const {
   const bool value =
       route.kind == Route::Kind::set_signal || route.kind == Route::Kind::nmt || route.kind == Route::Kind::stop_all;
-  Parsed parsed = value ? parse_value(incoming.payload) : parse_object_payload(incoming.payload);
+  const Parsed parsed = value ? parse_value(incoming.payload) : parse_object_payload(incoming.payload);
   process::Drive* drive = find_drive(route.drive);
-  ReplyTo to{
-      .topic = topics_.result(), .correlation = incoming.correlation, .command_topic = incoming.topic, .id = parsed.id};
-  if (!incoming.response_topic.empty() && !topics_.refused_as_response(incoming.response_topic)) {
-    to.topic = incoming.response_topic;
-  } else if (is_sdo(route) && drive != nullptr) {
-    to.topic = topics_.drive(drive->index()).sdo_response;
+  Command command{.to = reply_to(incoming, route, drive),
+                  .drive = drive,
+                  .has_id = !parsed.id.empty(),
+                  .id = parsed.id_text,
+                  .reads = asks_to_read(route, parsed),
+                  .asked = asked_of(drive == nullptr ? nullptr : &drive->model(), route, parsed)};
+  command.to.id = parsed.id;
+  command.allowed = drive == nullptr || command.reads || !process::refuse_writer(drive->model(), mqtt_writer());
+  if (command.asked.has_error() && drive != nullptr) {
+    std::vector<process::FieldWrite> sound = sound_fields_of(drive->model(), route, parsed);
+    if (drive->is_stop(sound)) {
+      command.left_out = command.asked.error();
+      command.asked = Asked(std::move(sound));
+    }
   }
-  return {route, std::move(parsed), std::move(to), drive};
+  if (command.asked.has_value()) {
+    command.stops = std::holds_alternative<StopAll>(command.asked.value()) ||
+                    (drive != nullptr && drive->is_stop(written_by(drive->model(), command.asked.value())));
+  }
+  return command;
 }
 
-Result<void> Requests::check(const Incoming& incoming, const Command& command) const {
+ReplyTo Requests::reply_to(const Incoming& incoming, const Route& route, const process::Drive* drive) const {
+  ReplyTo to{.topic = topics_.result(),
+             .correlation = incoming.correlation,
+             .command_topic = incoming.topic,
+             .sdo = route.kind == Route::Kind::sdo};
+  if (!incoming.response_topic.empty() && !topics_.refused_as_response(incoming.response_topic)) {
+    to.topic = incoming.response_topic;
+  } else if (to.sdo && drive != nullptr) {
+    to.topic = topics_.drive(drive->index()).sdo_response;
+  }
+  return to;
+}
+
+std::optional<Error> Requests::refuse_sender(const Incoming& incoming, const Command& command) const {
   if (incoming.retained) {
     return Error{.kind = ErrorKind::retained,
                  .detail = "a retained command is never carried out; its topic was emptied"};
   }
-  const bool stops_all = command.route.kind == Route::Kind::stop_all;
+  if (!command.allowed) {
+    // One without a mistake is refused by its drive, so that it stands in the journal.
+    return command.asked.has_error() ? process::refuse_writer(command.drive->model(), mqtt_writer()) : std::nullopt;
+  }
   // A stop for all is not lost for the sake of its answer.
+  const bool stops_all = command.drive == nullptr && command.stops;
   if (!stops_all && !incoming.response_topic.empty() && command.to.topic != incoming.response_topic) {
     return Error{.kind = ErrorKind::forbidden,
                  .detail = "the response topic belongs to the gateways; name one outside of their topics"};
   }
-  if (is_expired(incoming, canopen::Clock::now())) {
+  return std::nullopt;
+}
+
+Result<void> Requests::begin(const Incoming& incoming, Command& command, const Asker& asker) {
+  // Of others their drive says so, and they stand in the journal. SDO requests may have mistakes that it looks at
+  // first.
+  if (command.expired && (command.asked.has_error() || command.drive == nullptr || command.to.sdo)) {
     return Error{.kind = ErrorKind::expired, .detail = "the command came after its message expiry interval"};
   }
-  if (!stops_all && command.drive == nullptr) {
-    return Error{.kind = ErrorKind::unknown, .detail = "no drive \"" + std::string(command.route.drive) + "\""};
+  if (command.asked.has_error()) {
+    return told_before(command.drive, command.asked.error());
   }
+  process::Origin origin = origin_of(incoming, command.id);
+  if (command.drive == nullptr) {
+    spawn(nullptr, stop_every_drive(under_way_, plant_, std::move(origin), asker));
+    return {};
+  }
+  std::size_t& among = (command.reads ? under_way_->reads : under_way_->commands).at(command.drive->index());
+  const bool waits = command.allowed && !command.expired && !command.stops;
+  if (waits && among >= (command.reads ? kMaxReads : kMaxCommands)) {
+    under_way_->duplicates.forget(asker.ticket);  // it may come again with the same id
+    return Error{.kind = ErrorKind::timeout,
+                 .detail = std::string("too many ") + (command.reads ? "reads" : "commands") +
+                           " under way; this one was not carried out"};
+  }
+  spawn(&among, carry_out(std::move(origin), command, asker));
   return {};
 }
 
-Result<void> Requests::begin(const Incoming& incoming, const Command& command) {
-  if (command.route.kind == Route::Kind::stop_all) {
-    return begin_stop_all(incoming, command);
+boost::asio::awaitable<void> Requests::carry_out(process::Origin origin, Command& command, const Asker& asker) {
+  Asked& asked = command.asked.value();
+  process::Drive& drive = *command.drive;
+  if (auto* fields = std::get_if<std::vector<process::FieldWrite>>(&asked)) {
+    return write_fields(under_way_, drive, std::move(origin), std::move(*fields), asker);
   }
-  const bool set_signal = command.route.kind == Route::Kind::set_signal;
-  if (set_signal && !command.drive->model().find(command.route.signal)) {
-    return Error{
-        .kind = ErrorKind::unknown,
-        .detail = command.drive->model().name + " has no signal \"" + std::string(command.route.signal) + "\""};
+  if (const auto* nmt = std::get_if<canopen::NmtCommand>(&asked)) {
+    return send_nmt(under_way_, drive, std::move(origin), *nmt, asker);
   }
-  if (command.parsed.members.has_error()) {
-    return command.parsed.members.error();
-  }
-  switch (command.route.kind) {
-    case Route::Kind::nmt:
-      return begin_nmt(incoming, command);
-    case Route::Kind::sdo:
-      return begin_sdo(incoming, command);
-    case Route::Kind::set_signal:
-    case Route::Kind::set_drive:
-    case Route::Kind::alive:
-    case Route::Kind::stop_all:
-    case Route::Kind::alarm:
-      break;
-  }
-  return begin_set(incoming, command);
-}
-
-Result<void> Requests::begin_stop_all(const Incoming& incoming, const Command& command) {
-  spawn(nullptr, stop_every_drive(under_way_, plant_, origin_of(incoming), command.to));
-  return {};
+  const auto& request = std::get<SdoRequest>(asked);
+  return request.value ? write_object(under_way_, drive, std::move(origin), request, asker)
+                       : read_object(under_way_, drive, request, asker);
 }
 
 // A message that the broker kept may be of any time. It moves nothing, so it needs no answer.
@@ -166,78 +231,6 @@ void Requests::take_sign_of_life(const Incoming& incoming, const Route& route) {
   } else if (drive != nullptr && !process::refuse_writer(drive->model(), mqtt_writer())) {
     drive->sign_of_life(mqtt_writer());
   }
-}
-
-Result<void> Requests::check_begin(const Incoming& incoming, const Command& command,
-                                   std::span<const process::FieldWrite> fields) {
-  if (command.drive->is_stop(fields)) {
-    return {};
-  }
-  // Before the command is noted as seen: it may come again with the same id.
-  if (under_way_->commands.at(command.drive->index()) >= kMaxCommands) {
-    return Error{.kind = ErrorKind::timeout, .detail = "too many commands under way; this one was not carried out"};
-  }
-  if (duplicates_.seen(incoming, !command.parsed.id.empty(), canopen::Clock::now())) {
-    return Error{.kind = ErrorKind::duplicate, .detail = "the same command came within the last 60 s"};
-  }
-  return {};
-}
-
-Result<void> Requests::begin_set(const Incoming& incoming, const Command& command) {
-  const config::Drive& model = command.drive->model();
-  const FlatObject& members = command.parsed.members.value();
-  // `<signal>/set` carries one member, `value`.
-  Result<std::vector<process::FieldWrite>> fields =
-      command.route.kind == Route::Kind::set_drive
-          ? fields_of(model, members)
-          : fields_of(model, {{std::string(command.route.signal), members.front().second}});
-  if (fields.has_error()) {
-    return fields.error();
-  }
-  Result<void> checked = check_begin(incoming, command, fields.value());
-  if (checked.has_value()) {
-    spawn(&under_way_->commands.at(command.drive->index()),
-          write_fields(under_way_, *command.drive, origin_of(incoming), std::move(fields.value()), command.to));
-  }
-  return checked;
-}
-
-Result<void> Requests::begin_nmt(const Incoming& incoming, const Command& command) {
-  const Result<canopen::NmtCommand> nmt = nmt_command_of(command.parsed.members.value());
-  if (nmt.has_error()) {
-    return nmt.error();
-  }
-  Result<void> checked = check_begin(incoming, command);
-  if (checked.has_value()) {
-    spawn(&under_way_->commands.at(command.drive->index()),
-          send_nmt(under_way_, *command.drive, origin_of(incoming), nmt.value(), command.to));
-  }
-  return checked;
-}
-
-Result<void> Requests::begin_sdo(const Incoming& incoming, const Command& command) {
-  const Result<SdoRequest> request = sdo_request_of(command.parsed.members.value());
-  if (request.has_error()) {
-    return request.error();
-  }
-  if (!request.value().value) {  // a read changes nothing and is never a repetition
-    std::size_t& reads = under_way_->reads.at(command.drive->index());
-    if (reads >= kMaxReads) {
-      return Error{.kind = ErrorKind::timeout, .detail = "too many reads under way; this one was not carried out"};
-    }
-    spawn(&reads, read_object(under_way_, *command.drive, request.value(), command.to));
-    return {};
-  }
-  std::vector<process::FieldWrite> fields;
-  if (const auto signal = process::writable_signal(command.drive->model(), request.value().object)) {
-    fields.push_back({*signal, *request.value().value});
-  }
-  Result<void> checked = check_begin(incoming, command, fields);
-  if (checked.has_value()) {
-    spawn(&under_way_->commands.at(command.drive->index()),
-          write_object(under_way_, *command.drive, origin_of(incoming), request.value(), command.to));
-  }
-  return checked;
 }
 
 void Requests::spawn(std::size_t* among, boost::asio::awaitable<void> work) {
@@ -253,7 +246,7 @@ void Requests::spawn(std::size_t* among, boost::asio::awaitable<void> work) {
   });
 }
 
-process::Drive* Requests::find_drive(std::string_view name) {
+process::Drive* Requests::find_drive(std::string_view name) const {
   for (std::size_t i = 0; i < plant_.size(); ++i) {
     if (plant_.drive(i).model().name == name) {
       return &plant_.drive(i);

@@ -4,21 +4,23 @@
 #include <boost/asio/awaitable.hpp>
 #include <functional>
 #include <memory>
-#include <span>
+#include <optional>
+#include <string_view>
 
 #include "bridges/mqtt/answers.h"
-#include "bridges/mqtt/command.h"
-#include "bridges/mqtt/duplicates.h"
+#include "bridges/mqtt/asked.h"
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/plant.h"
 
 namespace mqtt {
 
+struct Asker;
 struct UnderWay;
 
 /// Commands that came from the broker: what must not be carried out is answered at once, the rest goes to its drive,
-/// and each is answered when the drive's outcome is there. Commands to one drive begin in the order of their arrival
+/// and each is answered when the drive's outcome is there. In this order: retained, forbidden, expired, duplicate, all
+/// else. Commands to one drive begin in the order of their arrival
 /// and wait for each other only where the drive makes them. A stop is never a repetition, nor one too many.
 class Requests {
  public:
@@ -34,40 +36,47 @@ class Requests {
   Requests(boost::asio::any_io_executor executor, process::Plant& plant, const Topics& topics, Publish publish);
 
   /// A message of one of Topics::command_subscriptions().
-  void handle(const Incoming& command);
+  void handle(const Incoming& incoming);
+
+  /// It stops a drive that may be stopped this way, or all. From any thread: reads nothing but the configuration.
+  [[nodiscard]] bool is_stop(const Incoming& incoming) const;
 
   /// Takes no more commands and waits for those under way, `patience` at most: whoever is left then ends with its
   /// drive, unanswered. The plant outlives them: it is stopped after this.
   boost::asio::awaitable<void> stop(canopen::Duration patience);
 
  private:
-  /// A command that may be carried out as far as MQTT is concerned.
+  /// A command taken apart.
   struct Command {
-    Route route;
-    Parsed parsed;
     ReplyTo to;
     process::Drive* drive = nullptr;
+    bool has_id = false;
+    std::string id;  ///< For the journal and the log.
+    bool reads = false;
+    bool stops = false;
+    bool allowed = true;  ///< MQTT may write this drive, or nothing is written.
+    bool expired = false;
+    canopen::Result<Asked> asked;
+    std::optional<canopen::Error> left_out{};  ///< A mistake beside a stop.
   };
 
-  [[nodiscard]] Command take_apart(const Incoming& incoming, const Route& route);
-  [[nodiscard]] canopen::Result<void> check(const Incoming& incoming, const Command& command) const;
-  /// Refuses a repetition, and one too many; never a stop.
-  [[nodiscard]] canopen::Result<void> check_begin(const Incoming& incoming, const Command& command,
-                                                  std::span<const process::FieldWrite> fields = {});
-  [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, const Command& command);
-  [[nodiscard]] canopen::Result<void> begin_set(const Incoming& incoming, const Command& command);
-  [[nodiscard]] canopen::Result<void> begin_nmt(const Incoming& incoming, const Command& command);
-  [[nodiscard]] canopen::Result<void> begin_sdo(const Incoming& incoming, const Command& command);
-  [[nodiscard]] canopen::Result<void> begin_stop_all(const Incoming& incoming, const Command& command);
+  [[nodiscard]] Command take_apart(const Incoming& incoming, const Route& route) const;
+  [[nodiscard]] ReplyTo reply_to(const Incoming& incoming, const Route& route, const process::Drive* drive) const;
+  /// What is told before anything else about the command.
+  [[nodiscard]] std::optional<canopen::Error> refuse_sender(const Incoming& incoming, const Command& command) const;
+  /// It may be a repetition of an earlier one, and a later one a repetition of it.
+  [[nodiscard]] static bool may_repeat(const Incoming& incoming, const Command& command);
+  [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, Command& command, const Asker& asker);
+  /// A command of one drive.
+  [[nodiscard]] boost::asio::awaitable<void> carry_out(process::Origin origin, Command& command, const Asker& asker);
   void take_sign_of_life(const Incoming& incoming, const Route& route);
   /// Counts what is under way; `among` those of its drive, null: of no single one.
   void spawn(std::size_t* among, boost::asio::awaitable<void> work);
-  [[nodiscard]] process::Drive* find_drive(std::string_view name);
+  [[nodiscard]] process::Drive* find_drive(std::string_view name) const;
 
   boost::asio::any_io_executor executor_;
   process::Plant& plant_;
   const Topics& topics_;
-  Duplicates duplicates_;
   std::shared_ptr<UnderWay> under_way_;
 };
 

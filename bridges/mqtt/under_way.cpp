@@ -39,44 +39,71 @@ process::Outcome outcome_of_all(const process::Plant& plant, const process::Writ
 
 }  // namespace
 
+void UnderWay::settle(const Asker& asker, const process::Outcome& outcome) {
+  send(command_answer(asker.to, outcome));
+  if (asker.ticket == Duplicates::kNone) {
+    return;
+  }
+  const std::string first = first_outcome(outcome);
+  if (may_come_again(outcome)) {
+    duplicates.forget(asker.ticket);
+  } else {
+    duplicates.settle(asker.ticket, first);
+  }
+  const auto [begin, end] = waiting.equal_range(asker.ticket);
+  for (auto repetition = begin; repetition != end; ++repetition) {
+    send(duplicate_answer(repetition->second, first));
+  }
+  waiting.erase(begin, end);
+}
+
+void UnderWay::repeat(const ReplyTo& to, const Duplicates::Earlier& earlier) {
+  if (earlier.first || waiting.size() >= kMaxWaiting) {
+    send(duplicate_answer(to, earlier.first));
+  } else {
+    waiting.emplace(earlier.ticket, to);
+  }
+}
+
 boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, std::vector<process::FieldWrite> fields, ReplyTo to) {
-  const process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields));
-  under_way->send(command_answer(to, outcome));
+                                          process::Origin origin, std::vector<process::FieldWrite> fields,
+                                          Asker asker) {
+  process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields));
+  if (outcome.has_value() && asker.left_out) {
+    outcome.failure = std::move(asker.left_out);
+    outcome.failure->detail += "; the stop beside it was carried out";
+  }
+  under_way->settle(asker, outcome);
 }
 
 boost::asio::awaitable<void> stop_every_drive(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
-                                              process::Origin origin, ReplyTo to) {
+                                              process::Origin origin, Asker asker) {
   const process::Writer writer = origin.writer;
   const std::vector<process::NotStopped> missed = co_await process::stop_all(plant, std::move(origin));
-  under_way->send(command_answer(to, outcome_of_all(plant, writer, missed)));
+  under_way->settle(asker, outcome_of_all(plant, writer, missed));
 }
 
 boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                      process::Origin origin, canopen::NmtCommand nmt, ReplyTo to) {
+                                      process::Origin origin, canopen::NmtCommand nmt, Asker asker) {
   const process::Outcome outcome = co_await drive.nmt(std::move(origin), nmt);
-  under_way->send(command_answer(to, outcome));
+  under_way->settle(asker, outcome);
 }
 
 boost::asio::awaitable<void> read_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive, SdoRequest request,
-                                         ReplyTo to) {
+                                         Asker asker) {
   const Result<canopen::Raw> read = co_await drive.sdo_read(request.object, request.type);
   if (read.has_error()) {
-    under_way->send(sdo_answer(to, read.error(), request.type));
+    under_way->send(sdo_answer(asker.to, read.error(), request.type));
   } else {
-    under_way->send(sdo_answer(to, std::optional<canopen::Raw>(read.value()), request.type));
+    under_way->send(sdo_answer(asker.to, std::optional<canopen::Raw>(read.value()), request.type));
   }
 }
 
 boost::asio::awaitable<void> write_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, SdoRequest request, ReplyTo to) {
+                                          process::Origin origin, SdoRequest request, Asker asker) {
   const canopen::ObjectValue value{request.object, request.type, *request.value};
   const process::Outcome written = co_await drive.sdo_write(std::move(origin), value);
-  if (written.has_error()) {
-    under_way->send(sdo_answer(to, written.error(), request.type));
-  } else {
-    under_way->send(sdo_answer(to, std::optional<canopen::Raw>(), request.type));
-  }
+  under_way->settle(asker, written);
 }
 
 }  // namespace mqtt

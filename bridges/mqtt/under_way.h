@@ -4,12 +4,15 @@
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bridges/mqtt/answers.h"
 #include "bridges/mqtt/command.h"
+#include "bridges/mqtt/duplicates.h"
 #include "bridges/mqtt/message.h"
 #include "bridges/process/command.h"
 #include "bridges/process/drive.h"
@@ -18,9 +21,19 @@
 
 namespace mqtt {
 
+/// Who is to hear what became of a command.
+struct Asker {
+  ReplyTo to;
+  Duplicates::Ticket ticket = Duplicates::kNone;
+  std::optional<canopen::Error> left_out{};  ///< A mistake beside a stop: told when that was carried out.
+};
+
 /// What the commands under way share with the requests, which they may outlive by the time a drive takes to stop.
 struct UnderWay {
   using Publish = std::function<void(Message)>;
+
+  /// Repetitions that wait for what becomes of their first; further ones are answered at once, without it.
+  static constexpr std::size_t kMaxWaiting = 1000;
 
   UnderWay(const boost::asio::any_io_executor& executor, std::size_t drives, Publish to_publish)
       : publish(std::move(to_publish)), commands(drives), reads(drives), idle(executor) {}
@@ -30,6 +43,10 @@ struct UnderWay {
       publish(std::move(message));
     }
   }
+  /// Answers a command and the repetitions that wait for this, and remembers it for later ones.
+  void settle(const Asker& asker, const process::Outcome& outcome);
+  /// Answers a repetition as soon as the outcome of its first is known.
+  void repeat(const ReplyTo& to, const Duplicates::Earlier& earlier);
   void ended(std::size_t* among) {
     if (among != nullptr) {
       --*among;
@@ -45,21 +62,23 @@ struct UnderWay {
   std::vector<std::size_t> commands;  ///< By drive.
   std::vector<std::size_t> reads;     ///< Likewise; apart, for a command must not fail because of them.
   std::size_t total = 0;
-  canopen::Timer idle;  ///< Cancelled when the last one ended.
+  Duplicates duplicates;
+  std::multimap<Duplicates::Ticket, ReplyTo> waiting;  ///< Repetitions, by their first.
+  canopen::Timer idle;                                 ///< Cancelled when the last one ended.
 };
 
 // Each waits for the outcome of one command and sends its answer. Parameters by value: what a coroutine refers to lives
 // in its frame, or longer than it.
 
 boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, std::vector<process::FieldWrite> fields, ReplyTo to);
+                                          process::Origin origin, std::vector<process::FieldWrite> fields, Asker asker);
 boost::asio::awaitable<void> stop_every_drive(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
-                                              process::Origin origin, ReplyTo to);
+                                              process::Origin origin, Asker asker);
 boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                      process::Origin origin, canopen::NmtCommand nmt, ReplyTo to);
+                                      process::Origin origin, canopen::NmtCommand nmt, Asker asker);
 boost::asio::awaitable<void> read_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive, SdoRequest request,
-                                         ReplyTo to);
+                                         Asker asker);
 boost::asio::awaitable<void> write_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, SdoRequest request, ReplyTo to);
+                                          process::Origin origin, SdoRequest request, Asker asker);
 
 }  // namespace mqtt

@@ -36,6 +36,36 @@ TEST(Answers, OfACommandThatWasNot) {
             R"({"ok":false,"code":"range","error":"out of range 0..50","topic":"B/pump1/set"})");
 }
 
+TEST(Answers, TellWhatElseThereIsToSay) {
+  process::Outcome outcome;
+  outcome.id = "0badcafe-7";
+  outcome.unchanged = true;
+  outcome.note = "by SDO";
+  EXPECT_EQ(command_answer(kTo, outcome).payload,
+            R"({"ok":true,"topic":"B/pump1/set","id":"a1","unchanged":true,"note":"by SDO"})")
+      << "the client's own id goes before the one that was made";
+  ReplyTo to = kTo;
+  to.id.clear();
+  outcome.unchanged = false;
+  outcome.note.clear();
+  EXPECT_EQ(command_answer(to, outcome).payload, R"({"ok":true,"topic":"B/pump1/set","id":"0badcafe-7"})");
+  to.sdo = true;
+  EXPECT_EQ(command_answer(to, outcome).payload, R"({"id":"0badcafe-7","ok":true})");
+}
+
+TEST(Answers, ToRepetitionsHaveTheFirstOutcomeBesideThem) {
+  EXPECT_EQ(first_outcome({}), R"({"ok":true})");
+  const std::string refused = first_outcome(Error{.kind = ErrorKind::refused, .abort = 0x08000022});
+  EXPECT_TRUE(refused.starts_with(R"({"ok":false,"code":"refused","abort":"0x08000022","error":")")) << refused;
+  const std::string text = R"("ok":false,"code":"duplicate","error":"the same command came within the last 60 s")";
+  EXPECT_EQ(duplicate_answer(kTo, R"({"ok":true})").payload,
+            "{" + text + R"(,"first":{"ok":true},"topic":"B/pump1/set","id":"a1"})");
+  EXPECT_EQ(duplicate_answer(kTo, std::nullopt).payload, "{" + text + R"(,"topic":"B/pump1/set","id":"a1"})");
+  ReplyTo to = kTo;
+  to.sdo = true;
+  EXPECT_EQ(duplicate_answer(to, R"({"ok":true})").payload, R"({"id":"a1",)" + text + R"(,"first":{"ok":true}})");
+}
+
 TEST(Answers, NameTheAbortCodeAndADoubtfulOutcome) {
   const std::string refused = command_answer(kTo, Error{.kind = ErrorKind::refused, .abort = 0x06020000}).payload;
   EXPECT_NE(refused.find(R"("code":"refused","abort":"0x06020000","error":")"), std::string::npos) << refused;

@@ -102,6 +102,8 @@ TEST(Command, RefusesPayloadsThatAreTooLong) {
 
 TEST(Command, SetTakesSeveralSignalsInTheirOrder) {
   const Parsed parsed = parse_object_payload(R"({"frequency_command":30.0,"mode":"torque","brake":true,"id":"a2"})");
+  EXPECT_EQ(parsed.id_text, "a2");
+  EXPECT_EQ(parse_object_payload(R"({"id":7})").id_text, "7");
   const auto fields = fields_of(kPump, parsed.members.value());
   ASSERT_TRUE(fields.has_value());
   ASSERT_EQ(fields.value().size(), 3U);

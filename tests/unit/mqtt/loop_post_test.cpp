@@ -66,6 +66,59 @@ TEST_F(LoopPostTest, IsBoundedInBytesToo) {
   EXPECT_EQ(received_.size(), 5U) << "four messages and the notice";
 }
 
+TEST_F(LoopPostTest, CountsAllThatAMessageHolds) {
+  for (int i = 0; i < 10; ++i) {
+    post_->post(
+        Incoming{.response_topic = std::string(512UL * 1024, 'x'), .correlation = std::string(512UL * 1024, 'x')});
+  }
+  loop_.settle();
+  EXPECT_EQ(received_.size(), 5U) << "four messages and the notice";
+}
+
+TEST_F(LoopPostTest, AStopIsNotLostInAFlood) {
+  post_->tell_stops_by([](const Incoming& message) { return message.payload == "stop"; });
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages + 500; ++i) {
+    post_->post(Incoming{.topic = "pump1", .payload = "run"});
+  }
+  post_->post(Incoming{.topic = "pump1", .payload = "stop"});
+  for (int i = 0; i < 500; ++i) {
+    post_->post(Incoming{.topic = "pump1", .payload = "run"});
+  }
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages + 2);
+  EXPECT_EQ(std::get<Incoming>(received_[LoopPost::kMaxMessages]).payload, "stop");
+  EXPECT_NE(std::get<Said>(received_.back()).text.find("1000 commands"), std::string::npos);
+}
+
+TEST_F(LoopPostTest, NothingGoesBehindACommandThatWasDroppedButStops) {
+  post_->tell_stops_by([](const Incoming& message) { return message.payload == "stop"; });
+  post_->post(Incoming{.payload = std::string(LoopPost::kMaxBytes, 'x')});
+  post_->post(Incoming{.topic = "pump1", .payload = "run"});
+  post_->post(Incoming{.topic = "pump1", .payload = "stop"});
+  post_->post(Incoming{});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), 3U);
+  EXPECT_EQ(std::get<Incoming>(received_[1]).payload, "stop");
+  EXPECT_NE(std::get<Said>(received_[2]).text.find("2 commands"), std::string::npos)
+      << "the empty one too, though it would fit: it came later";
+}
+
+TEST_F(LoopPostTest, OfAFloodOfStopsEachTopicKeepsOne) {
+  post_->tell_stops_by([](const Incoming& message) { return message.payload == "stop"; });
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages * 3; ++i) {
+    post_->post(Incoming{.topic = "pump1", .payload = "stop"});
+  }
+  post_->post(Incoming{.topic = "fan1", .payload = "stop"});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages * 2 + 2);
+  EXPECT_EQ(std::get<Incoming>(received_[LoopPost::kMaxMessages * 2]).topic, "fan1");
+  EXPECT_NE(std::get<Said>(received_.back()).text.find("1000 commands"), std::string::npos);
+  received_.clear();
+  post_->post(Incoming{.topic = "pump1", .payload = "run"});
+  loop_.settle();
+  EXPECT_EQ(received_.size(), 1U) << "all room is there again";
+}
+
 TEST_F(LoopPostTest, BringsNothingAfterItWasClosed) {
   post_->post(Disconnected{});
   post_->close();

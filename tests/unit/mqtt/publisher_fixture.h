@@ -22,6 +22,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
   void on_disconnected() override { ++disconnections; }
   void on_subscribed(bool granted) override { grants.push_back(granted); }
   void on_message(Incoming message) override { messages.push_back(std::move(message)); }
+  [[nodiscard]] bool is_stop(const Incoming& message) const override { return message.payload == "stop"; }
 
  protected:
   using Clock = std::chrono::steady_clock;

@@ -7,6 +7,7 @@
 #include <future>
 #include <string>
 
+#include "bridges/mqtt/loop_post.h"
 #include "tests/support/mosquitto.h"
 #include "tests/unit/mqtt/publisher_fixture.h"
 #include "tests/unit/mqtt/tiny_broker.h"
@@ -34,6 +35,21 @@ TEST_F(MqttPublisher, FallsBackTo311WhereTheBrokerHasNo5) {
   const auto took = stop({{.topic = "canopen/line3/status", .payload = "offline"}});
   EXPECT_LT(took, 3s);
   EXPECT_EQ(broker.published(), (std::vector<std::string>{"a=1", "canopen/line3/status=offline"}));
+}
+
+TEST_F(MqttPublisher, AStopIsNotLostInAFlood) {
+  constexpr std::size_t kLost = 500;
+  TinyBroker broker({.flood = LoopPost::kMaxMessages + kLost});
+  auto taken = broker.flood_taken();
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  publisher->subscribe(connections.back(), {{"x", 1}});
+  ASSERT_EQ(taken.wait_for(20s), std::future_status::ready) << "while the loop stands still";
+  ASSERT_TRUE(run_until([this] { return !messages.empty() && messages.back().payload == "stop"; }));
+  EXPECT_EQ(messages.size(), LoopPost::kMaxMessages + 1);
+  EXPECT_TRUE(std::ranges::any_of(notices, [](const std::string& notice) {
+    return notice.find(std::to_string(kLost) + " commands") != std::string::npos;
+  }));
 }
 
 TEST_F(MqttPublisher, SendsNothingBeforeItIsOpened) {

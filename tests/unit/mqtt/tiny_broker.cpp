@@ -16,6 +16,7 @@ namespace {
 constexpr int kMqtt5 = 5;
 constexpr std::uint8_t kConnect = 1;
 constexpr std::uint8_t kPublish = 3;
+constexpr std::uint8_t kPubAck = 4;
 constexpr std::uint8_t kSubscribe = 8;
 constexpr std::uint8_t kPing = 12;
 constexpr std::uint8_t kDisconnect = 14;
@@ -130,6 +131,9 @@ bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::u
   }
   if (type == kSubscribe) {
     send_bytes(client, {0x90, 3, body[0], body[1], 0});  // of one filter
+    flood(client);
+  } else if (type == kPubAck && manners_.flood != 0) {
+    flood_taken_.set_value();
   } else if (type == kPing) {
     send_bytes(client, {0xD0, 0});
   }
@@ -153,6 +157,17 @@ bool TinyBroker::answer_connect(int client, const std::vector<std::uint8_t>& bod
     send_bytes(client, {0x20, 2, 0, code});
   }
   return code == 0;
+}
+
+// QoS 0 but for the last.
+void TinyBroker::flood(int client) const {
+  if (manners_.flood == 0) {
+    return;
+  }
+  for (std::size_t i = 0; i < manners_.flood; ++i) {
+    send_bytes(client, {0x30, 6, 0, 1, 'x', 'r', 'u', 'n'});
+  }
+  send_bytes(client, {0x32, 9, 0, 1, 'x', 0, 1, 's', 't', 'o', 'p'});
 }
 
 bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<std::uint8_t>& body) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <future>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -16,6 +18,7 @@ class TinyBroker {
     bool speaks_5 = false;  ///< Else it refuses MQTT 5 as 3.1.1 prescribes.
     bool mute = false;      ///< Accepts the connection and says nothing at all.
     int refusal = 0;        ///< CONNACK code for everybody.
+    std::size_t flood = 0;  ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
 
   explicit TinyBroker(Manners manners);
@@ -28,6 +31,8 @@ class TinyBroker {
   [[nodiscard]] std::vector<int> levels() const;
   /// `topic=payload` of every PUBLISH seen.
   [[nodiscard]] std::vector<std::string> published() const;
+  /// The client has acknowledged the last message of the flood. Once.
+  [[nodiscard]] std::future<void> flood_taken() { return flood_taken_.get_future(); }
 
  private:
   void serve();
@@ -35,6 +40,7 @@ class TinyBroker {
   /// False: this packet ends the connection.
   bool answer(int client, std::uint8_t type, const std::vector<std::uint8_t>& body);
   bool answer_connect(int client, const std::vector<std::uint8_t>& body);
+  void flood(int client) const;
   bool take_publish(int client, std::uint8_t type, const std::vector<std::uint8_t>& body);
 
   Manners manners_;
@@ -44,6 +50,7 @@ class TinyBroker {
   mutable std::mutex mutex_;
   std::vector<int> levels_;
   std::vector<std::string> published_;
+  std::promise<void> flood_taken_;
   std::thread thread_;
 };
 

@@ -1,0 +1,95 @@
+#include "bridges/mqtt/asked.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "bridges/process/command_checks.h"
+
+namespace mqtt {
+namespace {
+
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Result;
+
+template <class T>
+Result<Asked> asked(Result<T> result) {
+  return result.has_value() ? Result<Asked>(Asked(std::move(result.value()))) : Result<Asked>(result.error());
+}
+
+}  // namespace
+
+Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Parsed& parsed) {
+  if (route.kind == Route::Kind::stop_all) {
+    return Asked(StopAll{});
+  }
+  if (drive == nullptr) {
+    return Error{.kind = ErrorKind::unknown, .detail = "no drive \"" + std::string(route.drive) + "\""};
+  }
+  if (route.kind == Route::Kind::set_signal && !drive->find(route.signal)) {
+    return Error{.kind = ErrorKind::unknown,
+                 .detail = drive->name + " has no signal \"" + std::string(route.signal) + "\""};
+  }
+  if (parsed.members.has_error()) {
+    return parsed.members.error();
+  }
+  const FlatObject& members = parsed.members.value();
+  switch (route.kind) {
+    case Route::Kind::nmt:
+      return asked(nmt_command_of(members));
+    case Route::Kind::sdo:
+      return asked(sdo_request_of(members));
+    case Route::Kind::set_drive:
+      return asked(fields_of(*drive, members));
+    case Route::Kind::set_signal:  // carries one member, `value`
+      return asked(fields_of(*drive, {{std::string(route.signal), members.front().second}}));
+    case Route::Kind::alive:
+    case Route::Kind::stop_all:
+    case Route::Kind::alarm:
+      break;
+  }
+  return Error{.kind = ErrorKind::unknown, .detail = "nothing is asked for by this topic"};
+}
+
+std::vector<process::FieldWrite> sound_fields_of(const config::Drive& drive, const Route& route, const Parsed& parsed) {
+  std::vector<process::FieldWrite> fields;
+  if (route.kind != Route::Kind::set_drive || parsed.members.has_error()) {
+    return fields;
+  }
+  for (const auto& [name, value] : parsed.members.value()) {
+    const auto signal = drive.find(name);
+    if (!signal) {
+      continue;
+    }
+    const Result<process::FieldWrite> field = field_of(drive, *signal, value);
+    if (field.has_value()) {
+      fields.push_back(field.value());
+    }
+  }
+  return fields;
+}
+
+bool asks_to_read(const Route& route, const Parsed& parsed) {
+  if (route.kind != Route::Kind::sdo || parsed.members.has_error()) {
+    return false;
+  }
+  return std::ranges::any_of(parsed.members.value(), [](const auto& member) {
+    return member.first == "op" && member.second == Scalar{Scalar::Kind::string, "read"};
+  });
+}
+
+std::vector<process::FieldWrite> written_by(const config::Drive& drive, const Asked& asked) {
+  if (const auto* fields = std::get_if<std::vector<process::FieldWrite>>(&asked)) {
+    return *fields;
+  }
+  const auto* request = std::get_if<SdoRequest>(&asked);
+  if (request != nullptr && request->value) {
+    if (const auto signal = process::writable_signal(drive, request->object)) {
+      return {{*signal, *request->value}};
+    }
+  }
+  return {};
+}
+
+}  // namespace mqtt

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "bridges/mqtt/command.h"
+#include "bridges/mqtt/topics.h"
+#include "bridges/process/command.h"
+#include "canopen/error.h"
+#include "canopen/nmt.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// The first stop value to all drives.
+struct StopAll {};
+
+/// What a command asks for, as far as topic, payload and configuration say.
+using Asked = std::variant<StopAll, std::vector<process::FieldWrite>, canopen::NmtCommand, SdoRequest>;
+
+/// `drive` null: there is none of that name. `unknown`, `type`, `read_only`, and what command.h says.
+[[nodiscard]] canopen::Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Parsed& parsed);
+
+/// Of a `set` with a mistake, what there is no mistake in: a stop is one, whatever stands beside it.
+[[nodiscard]] std::vector<process::FieldWrite> sound_fields_of(const config::Drive& drive, const Route& route,
+                                                               const Parsed& parsed);
+
+/// Asks for a value and changes nothing, whatever else is wrong with it.
+[[nodiscard]] bool asks_to_read(const Route& route, const Parsed& parsed);
+
+/// The signals that it writes, by whatever way.
+[[nodiscard]] std::vector<process::FieldWrite> written_by(const config::Drive& drive, const Asked& asked);
+
+}  // namespace mqtt
