@@ -97,7 +97,7 @@ std::optional<std::string> pdo_only(Drive& drive, Arguments arguments) {
   if (!code || *code == 0) {
     return expected("an abort code or off", arguments[0]);
   }
-  drive.misbehaviour().pdo_only = *code;
+  drive.misbehaviour().pdo_only = code;
   return std::nullopt;
 }
 

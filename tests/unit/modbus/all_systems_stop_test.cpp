@@ -10,6 +10,7 @@
 
 namespace {
 
+using modbus_test::kWritten;
 using modbus_test::SimulatedPlant;
 using testing::HasSubstr;
 using namespace std::chrono_literals;
@@ -21,7 +22,6 @@ constexpr std::uint8_t kMixer = 9;
 constexpr std::uint8_t kPress = 11;
 constexpr std::uint8_t kForward = 1;
 constexpr std::array<std::uint16_t, 3> kStartWords{6, 7, 15};
-const std::string kWritten = "1000640004";
 
 std::string drive(const std::string& name, int node, const std::string& profile, const std::string& more) {
   return "[[drive]]\nname = \"" + name + "\"\nnode = " + std::to_string(node) + "\nprofile = \"" + profile + "\"\n" +

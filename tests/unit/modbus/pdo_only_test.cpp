@@ -12,6 +12,7 @@
 
 namespace {
 
+using modbus_test::kWritten;
 using modbus_test::SimulatedPlant;
 using simulator::ObjectDictionary;
 using testing::Each;
@@ -30,7 +31,6 @@ constexpr std::uint16_t kSpeed = 500;
 constexpr std::uint16_t kFault = 0x2310;
 constexpr simulator::Address kControlword{0x6040, 0};
 constexpr simulator::Address kTarget{0x6042, 0};
-const std::string kWritten = "1000640004";
 
 std::string table(const std::string& profile, const std::string& more = "") {
   return "[[drive]]\nname = \"mixer1\"\nnode = 9\nprofile = \"" + profile + "\"\n" + more +

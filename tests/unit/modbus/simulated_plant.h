@@ -23,6 +23,9 @@
 
 namespace modbus_test {
 
+/// The answer to SimulatedPlant::command() where the drive has it.
+inline constexpr std::string_view kWritten = "1000640004";
+
 /// How the commands ended, by the drive's name.
 class CommandAnswers final : public process::Observer {
  public:
