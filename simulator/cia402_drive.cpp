@@ -128,7 +128,9 @@ void Cia402Drive::define_control() {
                                     return Abort::none;
                                   },
                                   Mappable::both));
-  dictionary.add_reading({0x6041, 0}, 2, [this] { return velocity_->statusword(warning_ != 0); }, Mappable::transmit);
+  dictionary.add_reading(
+      {0x6041, 0}, 2, [this] { return velocity_->statusword(warning_ != 0, drive_->misbehaviour().local); },
+      Mappable::transmit);
   dictionary.add_reading({0x603F, 0}, 2, [this] { return fault_; }, Mappable::transmit);
   dictionary.add({0x6060, 0},
                  number(

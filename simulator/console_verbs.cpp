@@ -88,6 +88,19 @@ std::optional<std::string> sdo_delay(Drive& drive, Arguments arguments) {
   return std::nullopt;
 }
 
+std::optional<std::string> pdo_only(Drive& drive, Arguments arguments) {
+  if (arguments[0] == "off") {
+    drive.misbehaviour().pdo_only.reset();
+    return std::nullopt;
+  }
+  const auto code = parse_number(arguments[0], 0xFFFFFFFF);
+  if (!code || *code == 0) {
+    return expected("an abort code or off", arguments[0]);
+  }
+  drive.misbehaviour().pdo_only = code;
+  return std::nullopt;
+}
+
 std::optional<std::string> sdo_drop(Drive& drive, Arguments arguments) {
   const auto count = parse_number(arguments[0], 1'000'000'000);
   if (!count) {
@@ -173,7 +186,7 @@ std::optional<std::string> behave(Drive& drive, Arguments /*arguments*/) {
   return std::nullopt;
 }
 
-constexpr std::array<Verb, 18> kVerbs{{
+constexpr std::array<Verb, 20> kVerbs{{
     {"power", 1, 1, false, "on|off", "power supply", power},
     {"reboot", 0, 1, false, "[MS]", "power off and, after a pause (500 ms), on again", reboot},
     {"fault", 1, 1, true, "CODE", "trip with a fault of the drive's own table", trouble<&Drive::fault>},
@@ -190,6 +203,9 @@ constexpr std::array<Verb, 18> kVerbs{{
     {"sdo-short", 1, 1, false, "on|off", "cut answers to the bytes they need", set_flag<&Misbehaviour::sdo_short>},
     {"sdo-flaw", 1, 3, false, "none|foreign-index|foreign-sub-index|wrong-toggle|unknown-command|abort [CODE] [COUNT]",
      "spoil answers: all, or COUNT of them", sdo_flaw},
+    {"pdo-only", 1, 1, false, "CODE|off", "refuse SDO writes to objects of an RPDO with this abort code", pdo_only},
+    {"local", 1, 1, false, "on|off", "controlled at its keypad: what the bus commands has no effect",
+     set_flag<&Misbehaviour::local>},
     {"length", 2, 2, false, "tpdo|sdo|heartbeat|emcy BYTES|normal", "send frames of a wrong length", length},
     {"behave", 0, 0, false, "", "end all misbehaviour; faults and power stay as they are", behave},
     {"show", 0, 0, false, "", "state and counters in one line", nullptr},

@@ -85,6 +85,7 @@ class Drive final : public Station {
   void on_nmt(const canopen::Frame& frame);
   void on_sync(const canopen::Frame& frame);
   void on_sdo_request(const canopen::Frame& frame);
+  [[nodiscard]] Abort refuse_sdo_write(Address address) const;
   void answer_due();
   void send_boot_up();
   void on_heartbeat_lost(std::uint8_t sub, std::uint8_t node);

@@ -108,6 +108,13 @@ void Drive::on_sdo_request(const canopen::Frame& frame) {
   }
 }
 
+Abort Drive::refuse_sdo_write(Address address) const {
+  if ((!misbehaviour_.local && !misbehaviour_.pdo_only) || !pdos_.receives(address)) {
+    return Abort::none;
+  }
+  return misbehaviour_.local ? Abort::local_control : static_cast<Abort>(*misbehaviour_.pdo_only);
+}
+
 void Drive::answer_due() {
   const canopen::TimePoint now = canopen::Clock::now();
   while (!late_answers_.empty() && late_answers_.front().due <= now) {

@@ -31,6 +31,11 @@ struct Misbehaviour {
   std::uint32_t abort_code = 0x08000000;    ///< For SdoFlaw::abort.
   std::optional<std::uint32_t> flaws_left;  ///< Answers still to be spoilt; without a value: all.
   std::uint32_t sdo_drops_left = 0;         ///< Requests still to be left without an answer.
+  /// The abort code by which SDO writes to objects of an enabled RPDO are refused; without a value they are taken.
+  std::optional<std::uint32_t> pdo_only;
+  /// Controlled at its keypad: RPDOs are received and watched, but have no effect; SDO writes to their objects are
+  /// refused (0x08000021).
+  bool local = false;
 
   std::optional<std::uint8_t> tpdo_length;       ///< 0..8: every TPDO is cut or filled with zeros to it.
   std::optional<std::uint8_t> sdo_length;        ///< The same for SDO answers.

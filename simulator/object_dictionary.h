@@ -34,6 +34,7 @@ enum class Abort : std::uint32_t {
   no_sub_index = 0x06090011,
   invalid_value = 0x06090030,
   general = 0x08000000,
+  local_control = 0x08000021,
   device_state = 0x08000022,
   no_data = 0x08000024
 };

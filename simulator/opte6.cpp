@@ -67,7 +67,9 @@ void Opte6::define_velocity_mode() {
     return Abort::none;
   };
   dictionary.add({0x6040, 0}, std::move(control));
-  dictionary.add_reading({0x6041, 0}, 2, [this] { return velocity_->statusword(warning_ != 0); }, Mappable::transmit);
+  dictionary.add_reading(
+      {0x6041, 0}, 2, [this] { return velocity_->statusword(warning_ != 0, drive_->misbehaviour().local); },
+      Mappable::transmit);
   Object target;
   target.mappable = Mappable::both;
   target.read = [this] { return target_; };

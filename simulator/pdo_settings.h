@@ -39,6 +39,7 @@ struct PdoContext {
   Record& record;
   PdoRules rules;
   std::function<NmtState()> state;
+  std::function<bool()> local;  ///< Controlled at the drive: RPDOs have no effect.
   std::function<void(const canopen::Frame&)> send;
   std::function<void(std::uint8_t number, const canopen::Frame&)> received;  ///< after the objects were written
   std::function<void(std::uint8_t number, bool too_long)> length_error;

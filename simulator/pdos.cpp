@@ -114,6 +114,15 @@ bool Pdos::on_frame(const canopen::Frame& frame) {
   return mine;
 }
 
+bool Pdos::receives(Address address) const {
+  return std::any_of(receive_.begin(), receive_.end(), [address](const std::unique_ptr<ReceivePdo>& pdo) {
+    const PdoSettings& settings = pdo->settings();
+    return settings.enabled() &&
+           std::any_of(settings.map.begin(), settings.map.begin() + settings.count,
+                       [address](std::uint32_t entry) { return map_entry(entry).address == address; });
+  });
+}
+
 void Pdos::on_sync(std::optional<std::uint8_t> counter) {
   // CiA 301 §7.2.2.3: synchronous RPDOs of the last cycle take effect, then TPDOs are sampled.
   for (const auto& pdo : receive_) {

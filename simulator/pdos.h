@@ -28,6 +28,8 @@ class Pdos {
 
   /// True when the frame was one of its PDOs. Call in operational only.
   bool on_frame(const canopen::Frame& frame);
+  /// An enabled RPDO writes the object.
+  [[nodiscard]] bool receives(Address address) const;
   void on_sync(std::optional<std::uint8_t> counter);
   void look_for_changes();
 

@@ -68,6 +68,9 @@ bool ReceivePdo::on_sync() {
 }
 
 void ReceivePdo::take(const canopen::Frame& frame) {
+  if (context_.local()) {
+    return;
+  }
   unpack(context_.dictionary, settings_, frame);
   context_.received(number_, frame);
 }

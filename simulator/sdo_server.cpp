@@ -34,8 +34,13 @@ std::uint8_t bytes_needed(std::uint8_t command) {
 
 }  // namespace
 
-SdoServer::SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style)
-    : node_(node), dictionary_(dictionary), record_(record), style_(std::move(style)) {}
+SdoServer::SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style,
+                     WriteRefusal write_refusal)
+    : node_(node),
+      dictionary_(dictionary),
+      record_(record),
+      style_(std::move(style)),
+      write_refusal_(std::move(write_refusal)) {}
 
 void SdoServer::start(const Traits& traits) {
   short_requests_ = traits.short_sdo_requests;
@@ -100,6 +105,9 @@ canopen::Frame SdoServer::start_download(const canopen::Frame& request) {
   }
   if (object->access == Access::read_only) {
     return refuse(Abort::read_only);
+  }
+  if (const Abort refusal = write_refusal_(address_); refusal != Abort::none) {
+    return refuse(refusal);
   }
   if ((request.data[0] & 0x02U) != 0) {
     return download_expedited(request, *object);

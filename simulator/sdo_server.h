@@ -18,8 +18,10 @@ namespace simulator {
 class SdoServer {
  public:
   using Style = std::function<AnswerStyle(Address, bool write)>;
+  /// Why an object that exists is not to be written now; `none` where it may.
+  using WriteRefusal = std::function<Abort(Address)>;
 
-  SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style);
+  SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style, WriteRefusal write_refusal);
 
   /// At each start of the communication; ends a transfer.
   void start(const Traits& traits);
@@ -44,6 +46,7 @@ class SdoServer {
   ObjectDictionary& dictionary_;
   Record& record_;
   Style style_;
+  WriteRefusal write_refusal_;
   bool short_requests_ = false;
   bool segmented_ = true;
   std::vector<Abort> known_aborts_;

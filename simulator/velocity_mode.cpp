@@ -91,14 +91,14 @@ double VelocityMode::demand_rpm() const noexcept {
   return motor_.ramp_hz() * 60.0 / motor_.rating().pole_pairs;
 }
 
-std::uint16_t VelocityMode::statusword(bool warning) const {
+std::uint16_t VelocityMode::statusword(bool warning, bool local) const {
   constexpr unsigned kWarning = 1U << 7U;
   constexpr unsigned kRemote = 1U << 9U;
   constexpr unsigned kTargetReached = 1U << 10U;
   constexpr unsigned kInternalLimit = 1U << 11U;
   const bool reached = machine_.wants_motion() && !motor_.accelerating() && !motor_.decelerating();
-  const unsigned word = machine_.status_bits() | kRemote | (warning ? kWarning : 0U) | (reached ? kTargetReached : 0U) |
-                        (limited_ ? kInternalLimit : 0U);
+  const unsigned word = machine_.status_bits() | (local ? 0U : kRemote) | (warning ? kWarning : 0U) |
+                        (reached ? kTargetReached : 0U) | (limited_ ? kInternalLimit : 0U);
   return static_cast<std::uint16_t>(word);
 }
 

@@ -33,7 +33,7 @@ class VelocityMode {
 
   [[nodiscard]] VelocityOptions& options() noexcept { return options_; }
   [[nodiscard]] std::uint16_t controlword() const noexcept { return machine_.controlword(); }
-  [[nodiscard]] std::uint16_t statusword(bool warning) const;
+  [[nodiscard]] std::uint16_t statusword(bool warning, bool local) const;
   [[nodiscard]] double actual_rpm() const noexcept { return motor_.shaft_rpm(); }
   [[nodiscard]] double demand_rpm() const noexcept;
   /// What the motor reaches at its greatest frequency.

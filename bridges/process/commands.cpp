@@ -75,7 +75,12 @@ awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields
 awaitable<Outcome> Commands::stop_motor(Origin origin) {
   const std::optional<Raw> stop = canopen::first_stop(model_.node.motor);
   if (!stop || !control_signal_) {
-    co_return error(ErrorKind::unknown, "no value of control_command is known to stop it");
+    // It was asked for all the same: log and journal name the drive.
+    const Visit visit(*this);
+    PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::write);
+    Outcome unknown = error(ErrorKind::unknown, "no value of control_command is known to stop it");
+    finish(command, unknown);
+    co_return unknown;
   }
   std::vector<FieldWrite> fields{{*control_signal_, *stop}};
   Outcome outcome = co_await write(std::move(origin), std::move(fields));

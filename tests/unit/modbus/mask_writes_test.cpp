@@ -27,7 +27,7 @@ class MaskWrites : public testing::Test {
     process::Drive& drive = site_.plant().drive(0);
     return support::spawn(
         site_.loop().executor(),
-        drive.write({process::Writer::Way::modbus, "10.0.0.9"},
+        drive.write({.writer = {.way = process::Writer::Way::modbus, .address = "10.0.0.9"}},
                     {{static_cast<process::SignalId>(*drive.model().find(signal)), canopen::Raw{1}}}));
   }
   /// Sends a request that must wait for others before it.

@@ -86,6 +86,12 @@ TEST_F(ConsoleTest, MisbehaviourSwitches) {
   EXPECT_EQ(run("5 sdo-flaw foreign-index"), "ok");
   EXPECT_EQ(misbehaviour.sdo_flaw, SdoFlaw::foreign_index);
   EXPECT_FALSE(misbehaviour.flaws_left.has_value());
+  EXPECT_EQ(run("5 pdo-only 0x06010002"), "ok");
+  EXPECT_EQ(misbehaviour.pdo_only, 0x06010002U);
+  EXPECT_EQ(run("5 pdo-only off"), "ok");
+  EXPECT_FALSE(misbehaviour.pdo_only.has_value());
+  EXPECT_EQ(run("5 local on"), "ok");
+  EXPECT_TRUE(misbehaviour.local);
   EXPECT_EQ(run("5 length tpdo 7"), "ok");
   EXPECT_EQ(misbehaviour.tpdo_length, 7);
   EXPECT_EQ(run("5 length tpdo normal"), "ok");
@@ -145,8 +151,9 @@ TEST_F(ConsoleTest, BadLinesAreExplainedAndChangeNothing) {
 
 TEST_F(ConsoleTest, HelpNamesEveryVerbAndEmptyLinesAnswerNothing) {
   const std::string help = run("help");
-  for (const char* verb : {"power", "reboot", "fault", "warning", "clear", "nmt", "mute", "unplug", "heartbeat",
-                           "boot-up", "sdo-delay", "sdo-drop", "sdo-short", "sdo-flaw", "length", "behave", "show"}) {
+  for (const char* verb :
+       {"power", "reboot", "fault", "warning", "clear", "nmt", "mute", "unplug", "heartbeat", "boot-up", "sdo-delay",
+        "sdo-drop", "sdo-short", "sdo-flaw", "pdo-only", "local", "length", "behave", "show"}) {
     EXPECT_THAT(help, HasSubstr(std::string("NODE ") + verb));
   }
   EXPECT_EQ(run(""), "");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulator/pdo_settings.h"
 #include "tests/unit/simulator/test_bench.h"
 
 namespace simulator {
@@ -19,6 +20,14 @@ class MisbehaveTest : public ::testing::Test {
     return options;
   }
   std::optional<canopen::Frame> read_device_type() { return bench.sdo(kUnruly, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0}); }
+  void map_control_word() {
+    constexpr std::uint32_t kRpdo1 = 0x200U + kUnruly;
+    ASSERT_EQ(bench.write(kUnruly, 0x1400, 1, kPdoDisabled | kRpdo1, 4), 0U);
+    ASSERT_EQ(bench.write(kUnruly, 0x1600, 0, 0, 1), 0U);
+    ASSERT_EQ(bench.write(kUnruly, 0x1600, 1, map_value(0x6040, 0, 16), 4), 0U);
+    ASSERT_EQ(bench.write(kUnruly, 0x1600, 0, 1, 1), 0U);
+    ASSERT_EQ(bench.write(kUnruly, 0x1400, 1, kRpdo1, 4), 0U);
+  }
   Misbehaviour& misbehave() { return bench.drive().misbehaviour(); }
 
   OneDrive bench;
@@ -157,6 +166,33 @@ TEST_F(MisbehaveTest, TpdosOfAWrongLength) {
   veichi.drive().misbehaviour().tpdo_length = 8;
   veichi.advance(milliseconds(200));
   EXPECT_EQ(veichi.last(0x286)->size, 8);
+}
+
+TEST_F(MisbehaveTest, RefusesSdoToWhatAnRpdoCarriesAndNothingElse) {
+  misbehave().pdo_only = 0x06010002;
+  EXPECT_EQ(bench.write(kUnruly, 0x6040, 0, 6, 2), 0U) << "no RPDO carries it yet";
+  map_control_word();
+  EXPECT_EQ(bench.write(kUnruly, 0x6040, 0, 7, 2), 0x06010002U);
+  EXPECT_EQ(bench.read(kUnruly, 0x6040, 0), 6U);
+  EXPECT_EQ(bench.write(kUnruly, 0x6042, 0, 500, 2), 0U);
+  bench.start();
+  bench.send(0x200U + kUnruly, {7, 0});
+  EXPECT_EQ(bench.read(kUnruly, 0x6040, 0), 7U);
+}
+
+TEST_F(MisbehaveTest, UnderLocalControlTheBusMovesNothing) {
+  map_control_word();
+  bench.start();
+  misbehave().local = true;
+  bench.send(0x200U + kUnruly, {6, 0});
+  EXPECT_EQ(bench.read(kUnruly, 0x6040, 0), 0U);
+  EXPECT_EQ(bench.drive().record().rpdo_total(), 1U);
+  EXPECT_EQ(bench.write(kUnruly, 0x6040, 0, 6, 2), 0x08000021U);
+  EXPECT_EQ(*bench.read(kUnruly, 0x6041, 0) & 0x0200U, 0U) << "remote";
+  misbehave().local = false;
+  EXPECT_EQ(*bench.read(kUnruly, 0x6041, 0) & 0x0200U, 0x0200U);
+  bench.send(0x200U + kUnruly, {6, 0});
+  EXPECT_EQ(bench.read(kUnruly, 0x6040, 0), 6U);
 }
 
 }  // namespace
