@@ -2,7 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <chrono>
 #include <string_view>
 #include <utility>
@@ -65,7 +64,7 @@ bool nothing_sent(const Outcome& outcome) {
 /// Of what there may be very many; empty: told always.
 std::string pace_of(const CommandRecord& record, const Outcome& outcome) {
   if (nothing_sent(outcome)) {
-    return "refused " + std::string(process::answer_of(outcome.error().kind).code);
+    return "refused " + std::string(process::answer_of(outcome.error().kind).mqtt_code);
   }
   const bool set_points = record.kind == CommandRecord::Kind::write && !record.writes_control;
   return set_points ? "set-points" : "";

@@ -166,10 +166,10 @@ TEST_F(TimeoutOnBusTest, AStopIsRepeatedEachSecondUntilItIsConfirmed) {
   mute_control();
   run(kTimeout + 10ms);
   EXPECT_EQ(sdo_writes(), Objects{test::kControl});
-  run(980ms);
+  run(900ms);
   EXPECT_EQ(sdo_writes().size(), 1U);
   expect_alarm("its values are not confirmed");
-  run(30ms);
+  run(100ms);
   EXPECT_EQ(sdo_writes().size(), 2U);
   mute_control_ = false;
   run(1s);
@@ -190,16 +190,18 @@ TEST_F(TimeoutOnBusTest, ANewCommandEndsTheRepetitionOfTheValues) {
   run_motor_by_sdo();
   mute_control();
   run(kTimeout + 900ms);
-  EXPECT_EQ(sdo_writes(), Objects{test::kControl});
+  EXPECT_FALSE(sdo_writes().empty());
   mute_control_ = false;
   EXPECT_TRUE(finish(write({field("control_command", Raw{1})}), 200ms).has_value());
   expect_no_alarm();
   slave_.forget_heard();
   for (int i = 0; i < 10; ++i) {
-    run(300ms);
+    run(200ms);
     drive_->sign_of_life(plc_);
   }
-  expect_silence();
+  EXPECT_EQ(sdo_writes(), Objects{});
+  EXPECT_TRUE(rpdos().empty());
+  EXPECT_EQ(slave_.value(test::kControl), 1U);
 }
 
 TEST_F(TimeoutOnBusTest, SetPointsAlone) {
