@@ -22,7 +22,10 @@ spdlog::level::level_enum level_of(const canopen::BusState& state) noexcept {
 }  // namespace
 
 EventLog::EventLog(const process::Plant& plant)
-    : plant_(plant), told_(plant.model().drives.size()), bus_told_(plant.model().buses.size()) {}
+    : plant_(plant),
+      told_(plant.model().drives.size()),
+      bus_told_(plant.model().buses.size()),
+      commands_([](const std::string& line) { spdlog::info("{}", line); }) {}
 
 void EventLog::on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
 
@@ -56,6 +59,11 @@ void EventLog::on_alarm(const process::Drive& drive, process::AlarmKind kind) {
 
 void EventLog::on_remark(const process::Drive& drive, const std::string& text) {
   spdlog::info("{}: {}", drive.model().name, text);
+}
+
+void EventLog::on_command_done(const process::Drive& /*drive*/, const process::CommandRecord& record,
+                               const process::Outcome& outcome) {
+  commands_.on_done(record, outcome, canopen::Clock::now());
 }
 
 void EventLog::on_bus(std::size_t bus) {

@@ -7,11 +7,12 @@
 
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
+#include "daemon/command_log.h"
 
 namespace gateway {
 
-/// Writes what an operator wants to read afterwards: drives coming and going, alarms, bus states. Never a line per
-/// frame or value.
+/// Writes what an operator wants to read afterwards: drives coming and going, alarms, bus states, commands. Never a
+/// line per frame or value.
 class EventLog final : public process::Observer {
  public:
   explicit EventLog(const process::Plant& plant);
@@ -23,6 +24,8 @@ class EventLog final : public process::Observer {
   void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
   void on_remark(const process::Drive& drive, const std::string& text) override;
+  void on_command_done(const process::Drive& drive, const process::CommandRecord& record,
+                       const process::Outcome& outcome) override;
 
  private:
   struct Told {
@@ -33,6 +36,7 @@ class EventLog final : public process::Observer {
   const process::Plant& plant_;
   std::vector<Told> told_;
   std::vector<std::optional<canopen::BusCondition>> bus_told_;
+  CommandLog commands_;
 };
 
 }  // namespace gateway

@@ -99,7 +99,7 @@ Message Feed::offline() const {
 canopen::TimePoint Feed::collect_alarms(canopen::TimePoint now, std::vector<Message>& out) {
   first_ = first_.value_or(now);
   const canopen::TimePoint until = *first_ + patience_of(drive_.model());
-  learnt_ = learnt_ || tells_its_state(drive_.status()) || now >= until;
+  learnt_ = learnt_ || !drive_.model().enabled || tells_its_state(drive_.status()) || now >= until;
   for (const process::AlarmKind kind : process::kAlarmKinds) {
     const auto position = static_cast<std::size_t>(kind);
     if (!alarms_due_.test(position) || (depends_on_state(kind) && !learnt_)) {

@@ -132,6 +132,9 @@ awaitable<Outcome> Commands::send_nmt(PendingCommand& command, canopen::NmtComma
   if (const auto held = control_.refuse(command.record.writer, command.use, canopen::Clock::now())) {
     co_return error(ErrorKind::lease, *held);
   }
+  if (Refusal refused = refuse_out_of_service()) {
+    co_return *std::move(refused);
+  }
   if (node_.status().boot_result != canopen::BootResult::left_alone) {
     if (std::optional<Error> refused = refuse_nmt(nmt, running())) {
       co_return *std::move(refused);
@@ -155,6 +158,9 @@ awaitable<Outcome> Commands::send_nmt(PendingCommand& command, canopen::NmtComma
 awaitable<Result<Raw>> Commands::sdo_read(canopen::ObjectAddress object, canopen::DataType type) {
   if (closed_) {
     co_return closed_error();
+  }
+  if (Refusal refused = refuse_out_of_service()) {
+    co_return *std::move(refused);
   }
   const Visit visit(*this);
   Result<Raw> answer = co_await node_.read(object, type);
@@ -329,7 +335,14 @@ Commands::Refusal Commands::refuse_asker(const PendingCommand& command) const {
   return std::nullopt;
 }
 
+Commands::Refusal Commands::refuse_out_of_service() const {
+  return model_.enabled ? std::nullopt : Refusal(error(ErrorKind::offline, "the drive is out of service"));
+}
+
 Commands::Refusal Commands::refuse_unreachable() const {
+  if (Refusal refused = refuse_out_of_service()) {
+    return refused;
+  }
   const canopen::NodeStatus& status = node_.status();
   if (!status.online || !status.configured) {
     return error(ErrorKind::offline,

@@ -126,6 +126,7 @@ class Commands {
   /// The word that some bits of which are to be changed.
   [[nodiscard]] canopen::Result<canopen::Raw> base_of_bits(SignalId signal) const;
   [[nodiscard]] Refusal refuse_asker(const PendingCommand& command) const;
+  [[nodiscard]] Refusal refuse_out_of_service() const;
   [[nodiscard]] Refusal refuse_unreachable() const;
   [[nodiscard]] Refusal refuse_waiting(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_for_time(const PendingCommand& command) const;

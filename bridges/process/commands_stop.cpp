@@ -47,6 +47,9 @@ Commands::StopParts Commands::take_apart(const PendingCommand& command, std::spa
 }
 
 awaitable<Outcome> Commands::overtake(PendingCommand& command, std::vector<FieldWrite> given) {
+  if (Refusal refused = refuse_out_of_service()) {
+    co_return *std::move(refused);
+  }
   StopParts parts = take_apart(command, given);
   command.deadline = canopen::Clock::now() + model_.commands.deadline;
   if (!command.passes_lease) {

@@ -39,6 +39,9 @@ void Drive::tell(Tell tell_one) const {
 }
 
 void Drive::start() {
+  if (!model_.enabled) {
+    return;
+  }
   node_.start();
   reader_.start();
 }

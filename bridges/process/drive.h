@@ -41,6 +41,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   Drive(const Drive&) = delete;
   Drive& operator=(const Drive&) = delete;
 
+  /// A drive that is out of service (config::Drive::enabled) stays as it is now: offline, without values and alarms,
+  /// and every command is answered `offline`.
   void start();
   /// The end is near: commands that have not begun, and all that come from now on, are answered `offline`; a drive that
   /// is not in service is neither configured nor started any more.
@@ -92,7 +94,12 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
 
   /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
   /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
-  void restore_emcy(const Alarm& alarm) { alarms_.restore_emcy(alarm); }
+  /// Nothing for a drive that is out of service.
+  void restore_emcy(const Alarm& alarm) {
+    if (model_.enabled) {
+      alarms_.restore_emcy(alarm);
+    }
+  }
 
  private:
   // canopen::NodeEvents

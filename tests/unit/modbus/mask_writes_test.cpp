@@ -30,6 +30,11 @@ class MaskWrites : public testing::Test {
         drive.write({.writer = {.way = process::Writer::Way::modbus, .address = "10.0.0.9"}},
                     {{static_cast<process::SignalId>(*drive.model().find(signal)), canopen::Raw{1}}}));
   }
+  /// It has the SDO channel, as long as the drive is mute.
+  support::Spawned<canopen::Result<canopen::Raw>> read_ramp() {
+    return support::spawn(site_.loop().executor(),
+                          site_.plant().drive(0).sdo_read(modbus_test::kRampObject, canopen::DataType::u16));
+  }
   /// Sends a request that must wait for others before it.
   void expect_waiting(std::string_view pdu) {
     site_.settle();
@@ -115,9 +120,11 @@ TEST_F(MaskWrites, AMaskIsRefusedWhereACommandBeforeItChangedItsBits) {
   puppet().written.clear();
   puppet().mute = true;
   const auto other = another_writes("acceleration");
+  site_.loop().advance(milliseconds(200));
   expect_waiting("16 012c ff00 0008");
-  site_.loop().advance(milliseconds(600));
+  site_.loop().advance(milliseconds(650));
   ASSERT_TRUE(other.done());
+  EXPECT_TRUE(other.get().error().outcome_unknown);
   EXPECT_EQ(site_.answer(site_.client()), "96 03");
   puppet().mute = false;
   site_.run(milliseconds(500));
@@ -128,29 +135,60 @@ TEST_F(MaskWrites, AMaskOfAReadableRegisterDoesNotBuildOnWhatACommandOfUnknownOu
   site_.run(milliseconds(1500));
   puppet().mute = true;
   const auto other = another_writes("ramp");
+  site_.loop().advance(milliseconds(200));
   expect_waiting("16 0134 00ff 0100");
-  site_.loop().advance(milliseconds(600));
+  site_.loop().advance(milliseconds(650));
   ASSERT_TRUE(other.done());
   EXPECT_TRUE(other.get().error().outcome_unknown);
-  EXPECT_EQ(site_.answer(site_.client()), "96 03");
+  EXPECT_EQ(site_.answer(site_.client()), "96 0b") << "at once: what was read is not what the drive may hold now";
   EXPECT_TRUE(puppet().written.empty());
 }
 
-TEST_F(MaskWrites, AMaskThatWaitsForTheSdoChannelDoesNotOutliveAStandstill) {
+TEST_F(MaskWrites, AMaskOfTheControlCommandThatWaitsForTheSdoChannelDoesNotOutliveAStandstill) {
+  site_.send_values(0x0001, 0, 0);
+  EXPECT_EQ(ask("06 0064 0051"), "06 0064 0051");
+  puppet().written.clear();
+  puppet().mute = true;
+  const auto reading = read_ramp();
+  expect_waiting("16 0064 fff0 0003");
+  site_.send_values(0x0000, 0, 0);
+  EXPECT_EQ(site_.answer(site_.client()), "96 04") << "void, at once";
+  puppet().mute = false;
+  site_.run(milliseconds(500));
+  EXPECT_TRUE(puppet().written.empty());
+  EXPECT_TRUE(puppet().rpdos.empty());
+  EXPECT_FALSE(reading.done() && reading.get().has_error());
+}
+
+TEST_F(MaskWrites, AMaskOfASetPointThatWaitsForTheSdoChannelOutlivesAStandstill) {
   site_.send_values(0x0001, 0, 0);
   EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
   puppet().written.clear();
   puppet().mute = true;
-  const auto reading = support::spawn(
-      site_.loop().executor(), site_.plant().drive(0).sdo_read(modbus_test::kRampObject, canopen::DataType::u16));
+  const auto reading = read_ramp();
   expect_waiting("16 012c ff00 0008");
   site_.send_values(0x0000, 0, 0);
-  site_.loop().advance(milliseconds(600));
-  EXPECT_EQ(site_.answer(site_.client()), "96 03");
   puppet().mute = false;
-  site_.run(milliseconds(500));
-  EXPECT_TRUE(puppet().written.empty());
-  EXPECT_FALSE(reading.done() && reading.get().has_error());
+  site_.loop().advance(milliseconds(600));
+  EXPECT_EQ(site_.answer(site_.client()), "16 012c ff00 0008");
+  ASSERT_EQ(puppet().written.size(), 1U);
+  EXPECT_EQ(puppet().written[0].raw, 0x1208U);
+}
+
+TEST_F(MaskWrites, AMaskThatWaitsChangesTheWordThatStandsAtItsTurn) {
+  EXPECT_EQ(ask("06 012c 1234"), "06 012c 1234");
+  puppet().written.clear();
+  puppet().mute = true;
+  const auto reading = read_ramp();
+  const auto other = another_writes("acceleration");
+  expect_waiting("16 012c 00ff 0100");
+  puppet().mute = false;
+  site_.loop().advance(milliseconds(600));
+  ASSERT_TRUE(other.done());
+  EXPECT_TRUE(other.get().has_value());
+  EXPECT_EQ(site_.answer(site_.client()), "16 012c 00ff 0100");
+  ASSERT_EQ(puppet().written.size(), 2U);
+  EXPECT_EQ(puppet().written[1].raw, 0x0101U);
 }
 
 TEST(MaskWritesToADriveWithQuickStop, AMaskCarriesNoCommandFromBeforeAQuickStop) {

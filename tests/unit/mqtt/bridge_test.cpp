@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include "bridges/mqtt/alarm_json.h"
 #include "tests/unit/mqtt/plant_site.h"
@@ -45,6 +46,28 @@ TEST(MqttBridge, AnnouncesEverythingAndOnlineLast) {
   EXPECT_EQ(site.retained("pump1/frequency_command"), "never published");
   EXPECT_TRUE(std::all_of(site.broker().published.begin(), site.broker().published.end(),
                           [](const Message& message) { return message.retained; }));
+}
+
+TEST(MqttBridge, ADriveOutOfServiceIsOfflineWithoutAlarms) {
+  config::Model model = PlantSite::bridge_model();
+  model.drives[0].enabled = false;
+  PlantSite site(std::move(model));
+  site.puppet().boot_up();
+  site.run(100ms);
+  site.connect();
+  EXPECT_EQ(site.retained("pump1/status"), "offline");
+  EXPECT_TRUE(contains(site.retained("pump1/state"), R"("online":false,)")) << site.retained("pump1/state");
+  // Nothing of it will ever be learnt, so nothing is waited for.
+  for (const char* alarm :
+       {"pump1/alarm/emcy", "pump1/alarm/heartbeat", "pump1/alarm/boot", "pump1/alarm/data", "pump1/alarm/control"}) {
+    EXPECT_TRUE(contains(site.retained(alarm), R"("active":false)")) << alarm << ": " << site.retained(alarm);
+  }
+  site.command("canopen/line3/pump1/frequency_command/set", "10");
+  EXPECT_TRUE(contains(site.last_answer(), R"("code":"offline")")) << site.last_answer();
+  EXPECT_TRUE(contains(site.last_answer(), "out of service")) << site.last_answer();
+  site.run(5s);
+  EXPECT_TRUE(site.puppet().written.empty());
+  EXPECT_TRUE(site.puppet().nmt_commands.empty());
 }
 
 TEST(MqttBridge, ShowsTheStateOfADrive) {

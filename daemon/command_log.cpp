@@ -1,0 +1,110 @@
+#include "daemon/command_log.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include "bridges/process/answer.h"
+
+namespace gateway {
+namespace {
+
+using process::CommandRecord;
+using process::FieldRecord;
+using process::Outcome;
+
+constexpr canopen::Duration kPause = std::chrono::seconds(1);
+
+std::string field_text(const config::Drive& drive, const FieldRecord& field) {
+  if (field.signal >= drive.signals.size()) {
+    return "no signal";
+  }
+  const config::Signal& signal = drive.signals[field.signal];
+  if (!field.asked) {
+    return signal.name + " (no value)";
+  }
+  const double number = canopen::to_number(signal.type, *field.asked) * signal.scale;
+  std::string text = fmt::format("{} {:.{}f}", signal.name, number, signal.decimals);
+  return signal.unit.empty() ? text : text + " " + signal.unit;
+}
+
+std::string what_of(const CommandRecord& record) {
+  if (record.nmt) {
+    return "NMT " + std::string(canopen::name_of(*record.nmt));
+  }
+  if (record.object) {
+    return fmt::format("object {} = {}", canopen::to_string(record.object->object), record.object->raw);
+  }
+  std::string text;
+  for (const FieldRecord& field : record.fields) {
+    text += (text.empty() ? "" : ", ") + field_text(*record.drive, field);
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+std::string outcome_text(const CommandRecord& record, const Outcome& outcome, canopen::TimePoint now) {
+  const auto taken = std::chrono::duration_cast<std::chrono::milliseconds>(now - record.arrived).count();
+  if (outcome.has_value()) {
+    std::string text = fmt::format("ok{} in {} ms", outcome.unchanged ? ", unchanged," : "", taken);
+    return outcome.note.empty() ? text : text + ", " + outcome.note;
+  }
+  const canopen::Error& failure = outcome.error();
+  const bool refused = !failure.outcome_unknown && failure.kind != canopen::ErrorKind::refused;
+  return fmt::format("{}{}, after {} ms", refused ? "refused " : "", canopen::to_string(failure), taken);
+}
+
+/// Nothing of it reached the drive.
+bool nothing_sent(const Outcome& outcome) {
+  return outcome.has_error() && outcome.written == 0 && !outcome.error().outcome_unknown &&
+         outcome.error().kind != canopen::ErrorKind::refused;
+}
+
+/// Of what there may be very many; empty: told always.
+std::string pace_of(const CommandRecord& record, const Outcome& outcome) {
+  if (nothing_sent(outcome)) {
+    return "refused " + std::string(process::answer_of(outcome.error().kind).mqtt_code);
+  }
+  const bool set_points = record.kind == CommandRecord::Kind::write && !record.writes_control;
+  return set_points ? "set-points" : "";
+}
+
+}  // namespace
+
+void CommandLog::on_done(const CommandRecord& record, const Outcome& outcome, canopen::TimePoint now) {
+  const std::string writer = process::to_string(record.writer);
+  const Kind kind{record.drive->name, writer, pace_of(record, outcome)};
+  end_seconds(kind, now);
+  std::string more;
+  if (!std::get<2>(kind).empty()) {
+    const auto [paced, is_new] = paced_.try_emplace(kind, Paced{.told = now});
+    if (!is_new && now - paced->second.told < kPause) {
+      ++paced->second.left_out;
+      return;
+    }
+    paced->second.told = now;
+    if (const std::size_t left_out = std::exchange(paced->second.left_out, 0); left_out > 0) {
+      more = fmt::format(", and {} before it", left_out);
+    }
+  }
+  write_(fmt::format("{}: {}: {}: {} (id {}{})", record.drive->name, writer, what_of(record),
+                     outcome_text(record, outcome, now), record.id, more));
+}
+
+/// What was left out of other kinds, whose second is over.
+void CommandLog::end_seconds(const Kind& but, canopen::TimePoint now) {
+  for (auto paced = paced_.begin(); paced != paced_.end();) {
+    if (paced->first == but || now - paced->second.told < kPause) {
+      ++paced;
+      continue;
+    }
+    if (paced->second.left_out > 0) {
+      const auto& [drive, writer, what] = paced->first;
+      write_(fmt::format("{}: {}: {} more: {}", drive, writer, paced->second.left_out, what));
+    }
+    paced = paced_.erase(paced);
+  }
+}
+
+}  // namespace gateway
