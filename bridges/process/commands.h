@@ -42,8 +42,9 @@ namespace process {
 /// `control_command` and is older is superseded by it and never sent, and everything else lets it go first. It alone
 /// may be sent twice.
 ///
-/// Parts: commands.cpp arrival, checks and order; commands_steps.cpp how one is carried out; commands_stop.cpp stops;
-/// commands_control.cpp leases and time-outs.
+/// Parts: commands.cpp the ways in and the order; commands_checks.cpp what is said of a command at its arrival and
+/// while it waits; commands_steps.cpp how one is carried out; commands_stop.cpp stops; commands_control.cpp leases and
+/// time-outs.
 class Commands {
  public:
   /// Told in the same call in which it happened.
@@ -133,6 +134,8 @@ class Commands {
   void accept(const PendingCommand& command);
   void supersede_older(const PendingCommand& by);
   boost::asio::awaitable<Outcome> write_in_turn(PendingCommand& command, std::vector<FieldWrite> given);
+  /// A raw write of a signal's object in another type.
+  Outcome refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal);
   boost::asio::awaitable<Outcome> send_raw(PendingCommand& command, canopen::ObjectValue value);
   boost::asio::awaitable<Outcome> send_nmt(PendingCommand& command, canopen::NmtCommand nmt);
   boost::asio::awaitable<Refusal> await_turn(PendingCommand& command);

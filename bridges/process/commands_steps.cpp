@@ -1,4 +1,4 @@
-// How a command that has its turn is carried out.
+// How a command that has its turn is carried out, and what makes it void.
 
 #include <algorithm>
 #include <utility>
@@ -185,6 +185,36 @@ void Commands::call_back() {
 bool Commands::holds_all(std::span<const Field> fields) const {
   return std::all_of(fields.begin(), fields.end(),
                      [this](const Field& field) { return commanded_.held(field.signal) == field.raw; });
+}
+
+void Commands::on_status(const canopen::NodeStatus& status) {
+  const bool live = status.online && status.nmt == canopen::NmtState::operational;
+  if (std::exchange(live_, live) && !live) {
+    commanded_.on_session_end(status.lost ? "the drive was lost" : "the drive left operational or is not online");
+    control_.on_session_end();
+    on_void();
+  }
+}
+
+void Commands::on_boot_up() {
+  commanded_.on_session_end("the drive rebooted");
+  control_.on_session_end();
+  on_void();
+}
+
+void Commands::on_fault_begin(std::string_view what) {
+  commanded_.on_fault_begin(what);
+  on_void();
+}
+
+void Commands::on_fault_end() {
+  commanded_.on_fault_end();
+  on_void();
+}
+
+void Commands::on_standstill(std::string_view what) {
+  commanded_.on_standstill(what);
+  on_void();
 }
 
 /// Something became void: what waits looks at itself again, and nothing of before is sent or repeated.
