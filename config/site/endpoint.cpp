@@ -71,7 +71,7 @@ std::optional<ip::address> address_of(const std::string& host, bool v6) {
   return std::nullopt;
 }
 
-std::string to_text(const ip::address& address, unsigned prefix) {
+std::string network_text(const ip::address& address, unsigned prefix) {
   return address.to_string() + "/" + std::to_string(prefix);
 }
 
@@ -120,13 +120,14 @@ std::optional<Network> read_network(const Node& node, const Complaint& complain)
   if (parts->address.is_v6() && parts->address.to_v6().is_v4_mapped() && parts->prefix >= kMapped) {
     const auto plain = ip::make_address_v4(ip::v4_mapped, parts->address.to_v6());
     complain.value(node.place, in_quotes(node.text) + " is IPv4 and must be written so: \"" +
-                                   to_text(first_of(plain, parts->prefix - kMapped), parts->prefix - kMapped) + "\"");
+                                   network_text(first_of(plain, parts->prefix - kMapped), parts->prefix - kMapped) +
+                                   "\"");
     return std::nullopt;
   }
   const auto first = first_of(parts->address, parts->prefix);
   if (first != parts->address) {
     complain.value(node.place, in_quotes(node.text) + " has bits beyond its prefix; the network is \"" +
-                                   to_text(first, parts->prefix) + "\"");
+                                   network_text(first, parts->prefix) + "\"");
     return std::nullopt;
   }
   return Network{.address = first.to_string(), .prefix = parts->prefix};
