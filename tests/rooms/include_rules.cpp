@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 7> kConfig{
     "canopen/error.h",        "canopen/node/node_settings.h", "canopen/object.h",
     "canopen/bus/wire_bits.h"};
 // The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
-constexpr std::array<std::string_view, 15> kProcess{"config/model.h",
+constexpr std::array<std::string_view, 16> kProcess{"config/model.h",
                                                     "config/text.h",
                                                     "config/value_check.h",
                                                     "canopen/communication_objects.h",

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr canopen::Raw kStop = 5;
+constexpr canopen::Raw kStopWord = 5;
 constexpr canopen::Duration kTimeout = 500ms;
 
 /// Holder, timeout and alarm in the order in which they were told.
@@ -137,7 +137,7 @@ TEST_F(TimeoutOnBusTest, CeaseEndsTheRepetition) {
 }
 
 TEST_F(TimeoutOnBusTest, AStopPassesWhatWaitsAndTheLease) {
-  write_on_timeout("control_command", kStop);
+  write_on_timeout("control_command", kStopWord);
   model_.commands.lease = 10s;
   bring_online();
   run_motor();
@@ -160,7 +160,7 @@ TEST_F(TimeoutOnBusTest, AStopPassesWhatWaitsAndTheLease) {
 }
 
 TEST_F(TimeoutOnBusTest, AStopIsRepeatedEachSecondUntilItIsConfirmed) {
-  write_on_timeout("control_command", kStop);
+  write_on_timeout("control_command", kStopWord);
   bring_online();
   run_motor_by_sdo();
   mute_control();
@@ -174,18 +174,18 @@ TEST_F(TimeoutOnBusTest, AStopIsRepeatedEachSecondUntilItIsConfirmed) {
   mute_control_ = false;
   run(1s);
   EXPECT_EQ(sdo_writes().size(), 3U);
-  EXPECT_EQ(slave_.value(test::kControl), kStop);
+  EXPECT_EQ(slave_.value(test::kControl), kStopWord);
   expect_alarm("its values were written");
   run(3s);
   EXPECT_EQ(sdo_writes().size(), 3U);
-  ASSERT_TRUE(write_now({field("control_command", kStop)}).has_value());
+  ASSERT_TRUE(write_now({field("control_command", kStopWord)}).has_value());
   expect_no_alarm();
   run(2 * kTimeout);
   expect_no_alarm();
 }
 
 TEST_F(TimeoutOnBusTest, ANewCommandEndsTheRepetitionOfTheValues) {
-  write_on_timeout("control_command", kStop);
+  write_on_timeout("control_command", kStopWord);
   bring_online();
   run_motor_by_sdo();
   mute_control();
@@ -218,7 +218,7 @@ TEST_F(TimeoutOnBusTest, SetPointsAlone) {
 
 TEST_F(TimeoutOnBusTest, AStopAndSetPointsStopFirst) {
   write_on_timeout("frequency_command", 0);
-  write_on_timeout("control_command", kStop);
+  write_on_timeout("control_command", kStopWord);
   bring_online();
   run_motor_by_sdo();
   run(kTimeout + 20ms);
@@ -227,7 +227,7 @@ TEST_F(TimeoutOnBusTest, AStopAndSetPointsStopFirst) {
 }
 
 TEST_F(TimeoutOnBusTest, CountsFromTheTakeoverOfARunningDrive) {
-  write_on_timeout("control_command", kStop);
+  write_on_timeout("control_command", kStopWord);
   take_over_running();
   run(kTimeout - 150ms);
   expect_no_alarm();
@@ -252,7 +252,7 @@ TEST_F(TimeoutOnBusTest, AfterATakeoverAnyWriterWillDo) {
 }
 
 TEST_F(TimeoutOnBusTest, ADriveThatComesBackGetsNoValues) {
-  write_on_timeout("control_command", kStop);
+  write_on_timeout("control_command", kStopWord);
   bring_online();
   run_motor_by_sdo();
   make_drive_unreachable(true);
