@@ -8,7 +8,6 @@
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/command.h"
 #include "canopen/error.h"
-#include "canopen/nmt.h"
 #include "config/model.h"
 
 namespace mqtt {

@@ -44,7 +44,7 @@ TEST(ModbusOutOfService, DiagnosticsSayOfflineWithoutAnAlarm) {
   EXPECT_EQ(site.ask("03 03e8 0004"), "03 08 0000 00ff 00ff 0000");
   EXPECT_EQ(site.ask("03 03f0 0002"), "03 04 ffff ffff");
   EXPECT_EQ(site.ask(site.client(), 0, "03 0001 0003"), "03 06 0001 0000 0000") << "configured, online, with alarm";
-  EXPECT_EQ(site.ask(site.client(), 0, "06 0014 0001"), "06 0014 0001") << "the stop for all leaves it out";
+  EXPECT_EQ(site.ask(site.client(), 0, "06 0014 0001"), "86 01") << "the stop for all leaves it out";
   EXPECT_TRUE(site.puppet().written.empty());
 }
 

@@ -62,7 +62,7 @@ TEST(MqttBridge, ADriveOutOfServiceIsOfflineWithoutAlarms) {
        {"pump1/alarm/emcy", "pump1/alarm/heartbeat", "pump1/alarm/boot", "pump1/alarm/data", "pump1/alarm/control"}) {
     EXPECT_TRUE(contains(site.retained(alarm), R"("active":false)")) << alarm << ": " << site.retained(alarm);
   }
-  site.command("canopen/line3/pump1/frequency_command/set", "10");
+  site.command("pump1/frequency_command/set", "10");
   EXPECT_TRUE(contains(site.last_answer(), R"("code":"offline")")) << site.last_answer();
   EXPECT_TRUE(contains(site.last_answer(), "out of service")) << site.last_answer();
   site.run(5s);
