@@ -17,11 +17,13 @@ class CommandLane {
   /// A command's place, from its arrival to its answer.
   class Place {
    public:
-    /// `first`: before everything that has not begun.
+    /// `first`: before everything that has not begun, but for others of that kind.
     Place(CommandLane& lane, PendingCommand& command, bool first = false) : lane_(lane), command_(command) {
       auto& commands = lane_.commands_;
-      const bool behind_one = !commands.empty() && commands.front()->begun;
-      commands.insert(first ? commands.begin() + (behind_one ? 1 : 0) : commands.end(), &command_);
+      command_.goes_first = first;
+      const auto later = std::find_if(commands.begin(), commands.end(),
+                                      [](const PendingCommand* other) { return !other->begun && !other->goes_first; });
+      commands.insert(first ? later : commands.end(), &command_);
     }
     ~Place() {
       std::erase(lane_.commands_, &command_);

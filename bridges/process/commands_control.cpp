@@ -86,6 +86,9 @@ awaitable<void> Commands::write_timeout_values(std::unique_ptr<Visit> /*visit*/)
   } else {
     StopParts parts = take_apart(command, values);
     outcome = co_await write_first(command, std::move(parts.fields));
+    if (outcome.has_value() && parts.left_out) {
+      outcome = *std::move(parts.left_out);
+    }
   }
   finish(command, outcome);
   if (outcome.has_error()) {

@@ -1,6 +1,7 @@
 // Stops: they go before everything that waits.
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,13 @@ using boost::asio::awaitable;
 using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
+
+namespace {
+
+/// An answer that takes longer is not waited for where a newer stop waits.
+constexpr canopen::Duration kStopPatience = std::chrono::milliseconds(100);
+
+}  // namespace
 
 Commands::StopParts Commands::take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const {
   StopParts parts;
@@ -96,7 +104,7 @@ void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
         older->record.fields.begin(), older->record.fields.end(),
         [&](const FieldRecord& field) { return commanded_.is_control(field.signal) && field.asked == raw; });
     // One that waits for its turn is done by the newer one; another one under way is not waited for any longer.
-    if (!older->begun && equal && older->record.fields.size() == 1) {
+    if (!older->begun && !older->left && equal && older->record.fields.size() == 1) {
       older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);
     } else if (older->begun && !equal) {
       node_.hurry_stop(stop.deadline);
@@ -144,23 +152,37 @@ awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector
     const bool doubtful = node_.may_still_act(object);
     const Result<void> left = co_await send_rpdo(command, step, {});
     left_by_rpdo = left.has_value();
-    // An older write of the same object that the drive has not answered may still take effect: it is written again
-    // behind that one.
-    if (left_by_rpdo && !doubtful && !node_.may_still_act(object)) {
+    command.left = !left.has_error() || !left.error().not_sent;
+    // An older write of the same object that the drive has not answered, and an older stop that is not through, may
+    // still take effect: it is written again behind them.
+    if (left_by_rpdo && !doubtful && !node_.may_still_act(object) && stops_.is_first(command)) {
       take_out(command, fields, step.fields);
       co_return left;
     }
   }
   Refusal refused = co_await await_stop_turn(command);
+  Result<void> written;
   if (refused) {
-    co_return *std::move(refused);
+    written = *std::move(refused);
+  } else {
+    written = co_await stop_by_sdo(command, fields, left_by_rpdo);
   }
-  Result<void> written = co_await stop_by_sdo(command, fields, left_by_rpdo);
+  if (written.has_error() && command.left) {
+    Error told = written.error();
+    told.not_sent = false;
+    told.outcome_unknown = told.kind != ErrorKind::refused;
+    told.detail = "sent by RPDO; then by SDO: " + told.detail;
+    co_return told;
+  }
   co_return written;
 }
 
 awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vector<Field>& fields, bool left_by_rpdo) {
   const Field control = fields.front();
+  if (command.number < last_stop_) {
+    // A newer one waits for it.
+    command.deadline = std::min(command.deadline, canopen::Clock::now() + kStopPatience);
+  }
   const Result<void> written = co_await send_sdo(command, control, true);
   if (written.has_value()) {
     take_out(command, fields, {{control}});
@@ -169,7 +191,7 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
   if (written.error().kind != ErrorKind::refused || refuse_unreachable()) {
     co_return written;
   }
-  if (left_by_rpdo) {
+  if (left_by_rpdo && takes_no_sdo(written.error())) {
     // Then it took no older write of it either.
     const std::vector<Field> sent = fields_of(commanded_, commanded_.rpdo_of(control.signal), fields);
     take_out(command, fields, sent);
@@ -199,6 +221,9 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
       co_return incomplete;
     }
     borrowed.push_back({signal, held.value()});
+  }
+  if (command.number < last_stop_) {
+    co_return error(ErrorKind::superseded, "a newer stop came: " + last_stop_text_);
   }
   Result<void> left = co_await send_rpdo(command, step, borrowed);
   if (left.has_value()) {

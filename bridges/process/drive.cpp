@@ -82,6 +82,7 @@ void Drive::on_status(const canopen::NodeStatus& status) {
       reader_.check_errors();
     } else {
       reader_.forget_errors();
+      had_fault_emcy_.reset();
     }
   }
   arm_expiry();
@@ -89,6 +90,7 @@ void Drive::on_status(const canopen::NodeStatus& status) {
 }
 
 void Drive::on_boot_up() {
+  had_fault_emcy_ = false;
   commands_.on_boot_up();
   inputs_.on_boot_up();
 }
@@ -111,18 +113,22 @@ void Drive::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size
 
 void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
   if (emcy.reset) {
-    if (std::exchange(had_fault_emcy_, false)) {
+    if (had_fault_emcy_.value_or(true)) {
       commands_.on_fault_end();
     }
+    had_fault_emcy_ = false;
   } else if (name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
     had_fault_emcy_ = true;
     commands_.on_fault_begin("an emergency came");
+  } else {
+    had_fault_emcy_ = had_fault_emcy_.value_or(false);
   }
   alarms_.on_emcy(emcy, at, wall);
   watch_bits(at);
 }
 
 void Drive::on_frames_lost() {
+  had_fault_emcy_.reset();
   inputs_.on_frames_lost(canopen::Clock::now());
   if (was_online_) {
     // An emergency may have been among them.

@@ -167,7 +167,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   std::optional<bool> told_running_;  ///< Nothing: not fresh.
   bool was_running_ = false;
   bool had_fault_ = false;
-  bool had_fault_emcy_ = false;  ///< And no emergency has told its end.
+  /// An emergency of a fault came, and none that tells its end. Nothing: nobody knows what was missed.
+  std::optional<bool> had_fault_emcy_;
   bool had_quick_stop_ = false;
   bool was_online_ = false;
 };

@@ -28,6 +28,8 @@ struct PendingCommand {
   bool relies_on_bits = false;   ///< It changes some bits of what stands: it supersedes nothing.
 
   bool begun = false;                     ///< It has its turn.
+  bool goes_first = false;                ///< In its lane: before what is not.
+  bool left = false;                      ///< A stop: an RPDO of it has left, or may have.
   bool noted = false;                     ///< Its begin stands in the journal.
   bool carries_control = false;           ///< So does its step under way.
   bool withdrawn = false;                 ///< Its step under way was called back, to be looked at again.
