@@ -367,6 +367,60 @@ TEST_F(StopFirstTest, ItsSetPointsAreNotSentOnceTheGatewayEnds) {
   EXPECT_EQ(sdo_writes(), Objects{test::kControl});
 }
 
+TEST_F(StopFirstTest, IsSentByRpdoAgainWhereTheDriveRefusesItBehindAnOlderRun) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(5s);
+  const Sent run_command = write({field("control_command", Raw{1})});
+  run(5ms);
+  slave_.delay_answers(0ms);
+  slave_.refuse_write(test::kControl, 0x08000022);
+  const Sent stop =
+      write_by(origin(Writer::Way::mqtt),
+               {field("control_command", kStop), field("frequency_command", 10.0), field("torque_command", 0.0)});
+  EXPECT_TRUE(finish(stop, 300ms).has_value());
+  EXPECT_EQ(rpdos(), std::vector<Bytes>({{5, 0, 0xE8, 0x03, 0, 0}, {5, 0, 0xE8, 0x03, 0, 0}}))
+      << "the drive may have carried out the run between the first one and its refusal";
+  finish(run_command, 900ms);
+}
+
+TEST_F(StopFirstTest, TheNewestOfTwoIsTheLastOnTheBus) {
+  constexpr Raw kOtherStop = 6;
+  model_.node.motor.stops.push_back({.equals = kOtherStop});
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(60ms);
+  const auto reading = support::spawn(loop_.executor(), drive_->sdo_read(test::kOutput, DataType::u16));
+  run(2ms);
+  const Sent older = stop_by(Writer::Way::modbus);
+  run(2ms);
+  const Sent newer =
+      write_by(origin(Writer::Way::mqtt),
+               {field("control_command", kOtherStop), field("frequency_command", 10.0), field("torque_command", 0.0)});
+  run(3ms);
+  EXPECT_EQ(rpdos().size(), 1U) << "it does not wait";
+  EXPECT_TRUE(finish(newer, 500ms).has_value());
+  finish(older, 500ms);
+  EXPECT_EQ(slave_.value(test::kControl), kOtherStop);
+  ASSERT_FALSE(sdo_writes().empty());
+  EXPECT_EQ(sdo_writes().back(), test::kControl);
+  EXPECT_TRUE(reading.done());
+}
+
+TEST_F(StopFirstTest, SetPointsOfTwoStopsKeepTheirOrder) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(20ms);
+  const Sent slow = write({field("upper_limit", Raw{4000})});
+  run(2ms);
+  const Sent first = write({field("control_command", kStop), field("frequency_command", 10.0)});
+  const Sent second = write({field("control_command", kStop), field("frequency_command", 20.0)});
+  EXPECT_TRUE(finish(first, 500ms).has_value());
+  EXPECT_TRUE(finish(second, 500ms).has_value());
+  EXPECT_EQ(slave_.value(test::kFrequency), 2000U);
+  EXPECT_TRUE(slow.done());
+}
+
 TEST_F(StopFirstTest, NeedsPermission) {
   model_.commands.writers.mqtt = false;
   bring_online();
