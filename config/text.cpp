@@ -51,21 +51,28 @@ std::string_view trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
-}  // namespace
-
-std::optional<canopen::Duration> parse_duration(std::string_view text) {
+/// `12.5ms`: a number and the unit behind it; nothing on any other text.
+template <class Units>
+std::optional<std::pair<double, typename Units::value_type>> amount_in(const Units& units, std::string_view text) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
   if (error != std::errc() || text.empty() || !is_digit(text.front()) || !std::isfinite(number)) {
     return std::nullopt;
   }
   const std::string_view name = text.substr(static_cast<std::size_t>(end - text.data()));
-  const auto* const unit =
-      std::find_if(kUnits.begin(), kUnits.end(), [name](const TimeUnit& known) { return known.name == name; });
-  if (unit == kUnits.end()) {
+  const auto unit = std::find_if(units.begin(), units.end(), [name](const auto& known) { return known.name == name; });
+  return unit == units.end() ? std::nullopt : std::optional(std::pair(number, *unit));
+}
+
+}  // namespace
+
+std::optional<canopen::Duration> parse_duration(std::string_view text) {
+  const auto amount = amount_in(kUnits, text);
+  if (!amount) {
     return std::nullopt;
   }
-  const double nanoseconds = number * static_cast<double>(unit->length.count());
+  const auto& [number, unit] = *amount;
+  const double nanoseconds = number * static_cast<double>(unit.length.count());
   if (nanoseconds > static_cast<double>(kLongest.count())) {
     return std::nullopt;
   }
@@ -89,18 +96,12 @@ bool whole_milliseconds(canopen::Duration duration) noexcept {
 }
 
 std::optional<std::uint64_t> parse_size(std::string_view text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
-  if (error != std::errc() || text.empty() || !is_digit(text.front()) || !std::isfinite(number)) {
+  const auto amount = amount_in(kSizeUnits, text);
+  if (!amount) {
     return std::nullopt;
   }
-  const std::string_view name = text.substr(static_cast<std::size_t>(end - text.data()));
-  const auto* const unit =
-      std::find_if(kSizeUnits.begin(), kSizeUnits.end(), [name](const SizeUnit& known) { return known.name == name; });
-  if (unit == kSizeUnits.end()) {
-    return std::nullopt;
-  }
-  const double bytes = number * static_cast<double>(unit->bytes);
+  const auto& [number, unit] = *amount;
+  const double bytes = number * static_cast<double>(unit.bytes);
   // What is meant may be no binary fraction: 1.1 kB are 1100 bytes.
   constexpr double kNoise = 1e-6;
   if (bytes > kLargestSize || std::abs(bytes - std::round(bytes)) > kNoise) {

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "bridges/journal/sha256.h"
+#include "bridges/process/timestamp.h"
 
 namespace journal {
 namespace {
@@ -72,27 +73,12 @@ std::optional<Line> parse_line(std::string_view text) {
 
 std::string make_line(const Entry& entry, std::uint64_t n, std::string_view prev) {
   std::string line = "{\"n\":" + std::to_string(n);
-  line += ",\"ts\":\"" + timestamp(entry.wall) + "\",\"mono\":" + seconds_text(entry.at) + ',';
+  line += ",\"ts\":\"" + process::timestamp(entry.wall) + "\",\"mono\":" + seconds_text(entry.at) + ',';
   line += entry.members;
   line += ",\"prev\":\"";
   line += prev;
   line += "\"}";
   return line;
-}
-
-std::string timestamp(canopen::WallTime time) {
-  using namespace std::chrono;
-  const auto whole = floor<milliseconds>(time);
-  const auto day = floor<days>(whole);
-  const year_month_day date(day);
-  const hh_mm_ss clock(whole - day);
-  std::array<char, 64> text{};
-  const int size =
-      std::snprintf(text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
-                    static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                    static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
-                    static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
-  return {text.data(), static_cast<std::size_t>(size)};
 }
 
 }  // namespace journal

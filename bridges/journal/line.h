@@ -39,7 +39,4 @@ struct Entry {
 /// The line without its line break.
 [[nodiscard]] std::string make_line(const Entry& entry, std::uint64_t n, std::string_view prev);
 
-/// RFC 3339 in UTC with milliseconds: `2026-01-02T03:04:05.678Z`.
-[[nodiscard]] std::string timestamp(canopen::WallTime time);
-
 }  // namespace journal

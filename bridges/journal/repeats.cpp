@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "bridges/process/timestamp.h"
+
 namespace journal {
 namespace {
 
 constexpr std::chrono::minutes kPeriod(1);
 
 std::string one_of(const Ended& ended) {
-  return "{\"ts\":\"" + timestamp(ended.wall) + "\"," + ended.what + '}';
+  return "{\"ts\":\"" + process::timestamp(ended.wall) + "\"," + ended.what + '}';
 }
 
 }  // namespace

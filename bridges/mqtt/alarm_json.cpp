@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bridges/mqtt/json_text.h"
-#include "bridges/mqtt/timestamp.h"
+#include "bridges/process/timestamp.h"
 
 namespace mqtt {
 namespace {
@@ -43,7 +43,7 @@ void append_time(ObjectText& object, std::string_view name, canopen::WallTime ti
   if (time == canopen::WallTime{}) {
     object.null(name);
   } else {
-    object.text(name, timestamp(time));
+    object.text(name, process::timestamp(time));
   }
 }
 
@@ -98,7 +98,7 @@ bool read_time(const json::object& object, json::string_view name, canopen::Wall
     return true;
   }
   const auto text = string_of(object, name);
-  const auto time = text ? parse_timestamp(*text) : std::nullopt;
+  const auto time = text ? process::parse_timestamp(*text) : std::nullopt;
   out = time.value_or(canopen::WallTime{});
   return time.has_value();
 }

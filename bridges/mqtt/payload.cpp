@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "bridges/mqtt/json_text.h"
-#include "bridges/mqtt/timestamp.h"
+#include "bridges/process/timestamp.h"
 
 namespace mqtt {
 namespace {
@@ -77,7 +77,7 @@ std::string state_json(const process::Drive& drive, const Pace& pace, canopen::T
   out.reserve(128 + 32 * drive.model().signals.size());
   ObjectText object(out);
   if (const auto ts = newest_value(drive.image())) {
-    object.text("ts", timestamp(*ts));
+    object.text("ts", process::timestamp(*ts));
   } else {
     object.null("ts");
   }
@@ -103,7 +103,7 @@ std::string control_json(const process::ControlState& control) {
   ObjectText object(payload);
   if (control.holder) {
     object.text("holder", process::to_string(*control.holder));
-    object.text("since", timestamp(control.since));
+    object.text("since", process::timestamp(control.since));
   } else {
     object.null("holder");
     object.null("since");

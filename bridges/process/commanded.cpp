@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bridges/process/command_checks.h"
+
 namespace process {
 namespace {
 
@@ -15,16 +17,6 @@ bool is_edge(const config::Signal& signal, canopen::Raw raw) noexcept {
   return std::find(signal.edge.begin(), signal.edge.end(), raw) != signal.edge.end();
 }
 
-std::optional<SignalId> commanded_signal(const config::Drive& model, canopen::ObjectAddress object) {
-  for (std::size_t i = 0; i < model.signals.size(); ++i) {
-    const config::Signal& signal = model.signals[i];
-    if (signal.object == object && config::writable(signal.access) && !signal.derived) {
-      return static_cast<SignalId>(i);
-    }
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 Commanded::Commanded(const config::Drive& model) : model_(model), values_(model.signals.size()) {
@@ -36,7 +28,7 @@ Commanded::Commanded(const config::Drive& model) : model_(model), values_(model.
               .supervised = canopen::repeat_time(settings) > canopen::Duration::zero(),
               .fields = {}};
     for (const canopen::MappedObject& mapped : settings.mapping) {
-      const auto signal = commanded_signal(model, mapped.object);
+      const auto signal = writable_signal(model, mapped.object);
       if (canopen::is_commanded(mapped) && signal) {
         rpdo.fields.push_back({*signal, mapped.object, model.signals[*signal].type});
       } else if (canopen::is_commanded(mapped) || canopen::is_unnamed(mapped)) {
@@ -103,7 +95,7 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
       if (outlived && !may_go_on(field.raw)) {
         replace_repeated_control(canopen::first_stop(model_.node.motor));
       } else {
-        standstill_word_.reset();
+        repeated_instead_.reset();
       }
     }
   }
@@ -190,7 +182,7 @@ void Commanded::replace_repeated_control(std::optional<canopen::Raw> stop) {
   if (!stop) {
     end_repetition();
   } else if (std::any_of(rpdos_.begin(), rpdos_.end(), [](const Rpdo& rpdo) { return rpdo.supervised; })) {
-    standstill_word_ = stop;
+    repeated_instead_ = stop;
   }
 }
 
@@ -201,7 +193,7 @@ void Commanded::on_session_end(std::string_view what) {
     value.held.reset();
     value.counts = false;
   }
-  standstill_word_.reset();
+  repeated_instead_.reset();
   end_repetition();
 }
 
@@ -280,11 +272,11 @@ const Commanded::Rpdo* Commanded::find(std::uint16_t number) const noexcept {
 
 std::optional<canopen::Raw> Commanded::control_held() const noexcept {
   // Once a stop is repeated in its place, nobody knows which of the two the drive holds.
-  return standstill_word_ ? std::nullopt : repeated_control();
+  return repeated_instead_ ? std::nullopt : repeated_control();
 }
 
 std::optional<canopen::Raw> Commanded::repeated_control() const noexcept {
-  return control_ && !standstill_word_ ? values_[*control_].held : standstill_word_;
+  return control_ && !repeated_instead_ ? values_[*control_].held : repeated_instead_;
 }
 
 bool Commanded::may_go_on(canopen::Raw control) const noexcept {

@@ -86,6 +86,8 @@ class Commanded {
   /// hold.
   [[nodiscard]] std::optional<canopen::Raw> repeated_control() const noexcept;
 
+  /// `control_command`; nothing where the drive has none.
+  [[nodiscard]] std::optional<SignalId> control() const noexcept { return control_; }
   [[nodiscard]] bool is_control(SignalId signal) const noexcept { return control_ && *control_ == signal; }
   /// The raw value only ever stops the motor.
   [[nodiscard]] bool is_stop(canopen::Raw control) const noexcept;
@@ -137,10 +139,10 @@ class Commanded {
   Epoch epoch_ = 0;
   Voided control_void_;
   Voided all_void_;
-  Epoch silenced_ = 0;                           ///< When repetition last had to end.
-  Epoch fault_end_ = 0;                          ///< When a fault last ended.
-  Epoch stopped_ = 0;                            ///< When the newest stop came.
-  std::optional<canopen::Raw> standstill_word_;  ///< Repeated in place of the control command that the drive holds.
+  Epoch silenced_ = 0;                            ///< When repetition last had to end.
+  Epoch fault_end_ = 0;                           ///< When a fault last ended.
+  Epoch stopped_ = 0;                             ///< When the newest stop came.
+  std::optional<canopen::Raw> repeated_instead_;  ///< Repeated in place of the control command that the drive holds.
 };
 
 }  // namespace process

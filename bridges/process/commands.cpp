@@ -1,4 +1,4 @@
-// The ways in, the order of commands, and what makes them void.
+// The ways in, the order of commands and their answers.
 
 #include "bridges/process/commands.h"
 
@@ -39,11 +39,7 @@ Commands::Commands(boost::asio::any_io_executor executor, const config::Drive& m
       control_(control_settings(model.commands)),
       control_time_(executor_, [this] { on_control_time(); }),
       changed_(executor_),
-      id_prefix_(canopen::hex(std::random_device{}(), 8)) {
-  if (const auto signal = model.find("control_command")) {
-    control_signal_ = static_cast<SignalId>(*signal);
-  }
-}
+      id_prefix_(canopen::hex(std::random_device{}(), 8)) {}
 
 awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields) {
   const Visit visit(*this);
@@ -60,7 +56,7 @@ awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields
   } else if (command.use == ControlUse::stop) {
     outcome = co_await overtake(command, resolved.value());
   } else {
-    outcome = co_await write_in_turn(command, std::move(fields));
+    outcome = co_await write_in_turn(command, std::move(fields), resolved.value());
   }
   finish(command, outcome);
   co_return outcome;
@@ -68,7 +64,7 @@ awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields
 
 awaitable<Outcome> Commands::stop_motor(Origin origin) {
   const std::optional<Raw> stop = canopen::first_stop(model_.node.motor);
-  if (!stop || !control_signal_) {
+  if (!stop || !commanded_.control()) {
     // It was asked for all the same: log and journal name the drive.
     const Visit visit(*this);
     PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::write);
@@ -76,20 +72,21 @@ awaitable<Outcome> Commands::stop_motor(Origin origin) {
     finish(command, unknown);
     co_return unknown;
   }
-  std::vector<FieldWrite> fields{{*control_signal_, *stop}};
+  std::vector<FieldWrite> fields{{*commanded_.control(), *stop}};
   Outcome outcome = co_await write(std::move(origin), std::move(fields));
   co_return outcome;
 }
 
-awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<FieldWrite> given) {
-  if (const auto held = control_.refuse(command.record.writer, command.use, canopen::Clock::now())) {
-    co_return error(ErrorKind::lease, *held);
+awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<FieldWrite> given,
+                                           const std::vector<FieldWrite>& resolved) {
+  if (Refusal refused = refuse_lease(command)) {
+    co_return *std::move(refused);
   }
-  const Result<std::vector<Field>> checked = resolve_and_check(given);
+  const Result<std::vector<Field>> checked = check_fields(model_, resolved);
   if (checked.has_error()) {
     co_return checked.error();
   }
-  if (std::optional<Error> refused = refuse_unreachable()) {
+  if (Refusal refused = refuse_unreachable()) {
     co_return *std::move(refused);
   }
   accept(command);
@@ -99,11 +96,15 @@ awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<
     co_return *std::move(refused);
   }
   // Bits are changed of the word that stands now.
-  const Result<std::vector<Field>> fields = resolve_and_check(given);
+  const Result<std::vector<FieldWrite>> now = resolve(given);
+  if (now.has_error()) {
+    co_return now.error();
+  }
+  const Result<std::vector<Field>> fields = check_fields(model_, now.value());
   if (fields.has_error()) {
     co_return fields.error();
   }
-  std::vector<Field> ordered = in_writing_order(model_, fields.value());
+  std::vector<Field> ordered = in_writing_order(commanded_, fields.value());
   const bool unchanged = holds_all(ordered);
   Outcome outcome = co_await carry_out(command, std::move(ordered));
   outcome.unchanged = unchanged && outcome.has_value();
@@ -120,23 +121,18 @@ awaitable<Outcome> Commands::nmt(Origin origin, canopen::NmtCommand nmt) {
 }
 
 awaitable<Outcome> Commands::send_nmt(PendingCommand& command, canopen::NmtCommand nmt) {
-  if (std::optional<Error> refused = refuse_asker(command)) {
+  Refusal refused = refuse_asker(command);
+  refused = refused ? refused : refuse_lease(command);
+  refused = refused ? refused : refuse_out_of_service();
+  if (!refused && node_.status().boot_result != canopen::BootResult::left_alone) {
+    refused = refuse_nmt(nmt, running());
+  }
+  if (refused) {
     co_return *std::move(refused);
-  }
-  if (const auto held = control_.refuse(command.record.writer, command.use, canopen::Clock::now())) {
-    co_return error(ErrorKind::lease, *held);
-  }
-  if (Refusal refused = refuse_out_of_service()) {
-    co_return *std::move(refused);
-  }
-  if (node_.status().boot_result != canopen::BootResult::left_alone) {
-    if (std::optional<Error> refused = refuse_nmt(nmt, running())) {
-      co_return *std::move(refused);
-    }
   }
   accept(command);
   const CommandLane::Place place(lane_, command);
-  std::optional<Error> refused = co_await await_turn(command);
+  refused = co_await await_turn(command);
   if (refused) {
     co_return *std::move(refused);
   }
@@ -197,12 +193,8 @@ Outcome Commands::refuse_type(Origin origin, const canopen::ObjectValue& value, 
 }
 
 awaitable<Outcome> Commands::send_raw(PendingCommand& command, canopen::ObjectValue value) {
-  std::optional<Error> refused = refuse_asker(command);
-  if (!refused) {
-    if (const auto held = control_.refuse(command.record.writer, command.use, canopen::Clock::now())) {
-      refused = error(ErrorKind::lease, *held);
-    }
-  }
+  Refusal refused = refuse_asker(command);
+  refused = refused ? refused : refuse_lease(command);
   refused = refused ? refused : refuse_raw(model_, value.object);
   refused = refused ? refused : refuse_unreachable();
   if (refused) {

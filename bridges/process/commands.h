@@ -42,9 +42,9 @@ namespace process {
 /// `control_command` and is older is superseded by it and never sent, and everything else lets it go first. It alone
 /// may be sent twice.
 ///
-/// Parts: commands.cpp the ways in and the order; commands_checks.cpp what is said of a command at its arrival and
-/// while it waits; commands_steps.cpp how one is carried out; commands_stop.cpp stops; commands_control.cpp leases and
-/// time-outs.
+/// Parts: commands.cpp the ways in, the order and the answers; commands_checks.cpp what is said of a command at its
+/// arrival and while it waits; commands_steps.cpp how one is carried out, and what makes it void; commands_stop.cpp
+/// stops; commands_control.cpp leases and time-outs.
 class Commands {
  public:
   /// Told in the same call in which it happened.
@@ -121,19 +121,21 @@ class Commands {
   [[nodiscard]] PendingCommand arrive(Origin origin, CommandRecord::Kind kind);
   void take_fields(PendingCommand& command, std::span<const FieldWrite> fields) const;
   [[nodiscard]] ControlUse use_of(std::span<const FieldWrite> fields) const;
-  [[nodiscard]] ControlUse use_of(const Field& field) const;
+  [[nodiscard]] ControlUse use_of_control(canopen::Raw word) const;
+  /// Bits made a value of the word that stands now.
   [[nodiscard]] canopen::Result<std::vector<FieldWrite>> resolve(std::span<const FieldWrite> fields) const;
-  [[nodiscard]] canopen::Result<std::vector<Field>> resolve_and_check(std::span<const FieldWrite> fields) const;
   /// The word that some bits of which are to be changed.
   [[nodiscard]] canopen::Result<canopen::Raw> base_of_bits(SignalId signal) const;
   [[nodiscard]] Refusal refuse_asker(const PendingCommand& command) const;
+  [[nodiscard]] Refusal refuse_lease(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_out_of_service() const;
   [[nodiscard]] Refusal refuse_unreachable() const;
   [[nodiscard]] Refusal refuse_waiting(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_for_time(const PendingCommand& command) const;
   void accept(const PendingCommand& command);
   void supersede_older(const PendingCommand& by);
-  boost::asio::awaitable<Outcome> write_in_turn(PendingCommand& command, std::vector<FieldWrite> given);
+  boost::asio::awaitable<Outcome> write_in_turn(PendingCommand& command, std::vector<FieldWrite> given,
+                                                const std::vector<FieldWrite>& resolved);
   /// A raw write of a signal's object in another type.
   Outcome refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal);
   boost::asio::awaitable<Outcome> send_raw(PendingCommand& command, canopen::ObjectValue value);
@@ -158,7 +160,7 @@ class Commands {
   void take_out(PendingCommand& command, std::vector<Field>& fields, std::span<const Field> written);
   [[nodiscard]] canopen::Error explain(canopen::Error error, SignalId signal) const;
   boost::asio::awaitable<void> note_begin(PendingCommand& command);
-  /// Calls back the step under way, where it writes or carries `control_command` or is a raw write.
+  /// A stop came: the step under way is not sent where it has not left, and nothing of before it that moves a motor.
   void call_back();
   [[nodiscard]] bool holds_all(std::span<const Field> fields) const;
   void on_void();
@@ -195,7 +197,6 @@ class Commands {
   const Image& image_;
   Listener& listener_;
   CommandJournal* journal_ = nullptr;
-  std::optional<SignalId> control_signal_;
 
   Commanded commanded_;
   Control control_;

@@ -72,15 +72,15 @@ ControlUse Commands::use_of(std::span<const FieldWrite> fields) const {
     return ControlUse::none;
   }
   // Limits of the site do not make a stop less of a stop.
-  const config::Signal& signal = model_.signals[control->signal];
-  const Result<Raw> raw = check_given(without_limits(signal), *control);
-  if (raw.has_error()) {
-    return ControlUse::run;
-  }
-  if (commanded_.is_stop(raw.value())) {
+  const Result<Raw> raw = check_given(without_limits(model_.signals[control->signal]), *control);
+  return raw.has_error() ? ControlUse::run : use_of_control(raw.value());
+}
+
+ControlUse Commands::use_of_control(Raw word) const {
+  if (commanded_.is_stop(word)) {
     return ControlUse::stop;
   }
-  return config::is_momentary(signal, raw.value()) ? ControlUse::momentary : ControlUse::run;
+  return config::is_momentary(model_.signals[*commanded_.control()], word) ? ControlUse::momentary : ControlUse::run;
 }
 
 bool Commands::is_stop(std::span<const FieldWrite> fields) const {
@@ -103,11 +103,6 @@ Result<std::vector<FieldWrite>> Commands::resolve(std::span<const FieldWrite> fi
     field.value = canopen::normalise(model_.signals[field.signal].type, word);
   }
   return resolved;
-}
-
-Result<std::vector<Field>> Commands::resolve_and_check(std::span<const FieldWrite> fields) const {
-  const Result<std::vector<FieldWrite>> resolved = resolve(fields);
-  return resolved.has_value() ? check_fields(model_, resolved.value()) : Result<std::vector<Field>>(resolved.error());
 }
 
 Result<Raw> Commands::base_of_bits(SignalId signal) const {
@@ -140,6 +135,11 @@ Commands::Refusal Commands::refuse_asker(const PendingCommand& command) const {
     return error(ErrorKind::expired, "the command came after its message expiry interval");
   }
   return std::nullopt;
+}
+
+Commands::Refusal Commands::refuse_lease(const PendingCommand& command) const {
+  const auto held = control_.refuse(command.record.writer, command.use, canopen::Clock::now());
+  return held ? Refusal(error(ErrorKind::lease, *held)) : std::nullopt;
 }
 
 Commands::Refusal Commands::refuse_out_of_service() const {

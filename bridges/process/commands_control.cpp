@@ -19,16 +19,6 @@ ControlSettings Commands::control_settings(const config::Commands& commands) {
           .on_timeout = commands.on_timeout};
 }
 
-ControlUse Commands::use_of(const Field& field) const {
-  if (!commanded_.is_control(field.signal)) {
-    return ControlUse::none;
-  }
-  if (commanded_.is_stop(field.raw)) {
-    return ControlUse::stop;
-  }
-  return config::is_momentary(model_.signals[field.signal], field.raw) ? ControlUse::momentary : ControlUse::run;
-}
-
 void Commands::on_running(std::optional<bool> running) {
   control_.on_running(running, canopen::Clock::now());
   control_changed();

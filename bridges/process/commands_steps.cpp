@@ -44,7 +44,7 @@ awaitable<Outcome> Commands::carry_out(PendingCommand& command, std::vector<Fiel
     if (canopen::Clock::now() >= command.deadline) {
       co_return with_written(*refuse_for_time(command), command.written_names);
     }
-    if (command.record.writes_control && !std::exchange(command.noted, true)) {
+    if (command.record.writes_control && !command.noted) {
       co_await note_begin(command);
       continue;  // It may not stand any more.
     }
@@ -86,7 +86,7 @@ awaitable<Result<void>> Commands::send_rpdo(PendingCommand& command, const Write
   }
   const bool stops = command.use == ControlUse::stop;
   const Commanded::Epoch since = commanded_.epoch();
-  command.carries_control = control_signal_ && commanded_.rpdo_of(*control_signal_) == step.rpdo;
+  command.carries_control = commanded_.control() && commanded_.rpdo_of(*commanded_.control()) == step.rpdo;
   const Result<void> left = co_await node_.send_rpdo(
       step.rpdo, *std::move(values), stops ? canopen::TransmitClass::stop : canopen::TransmitClass::command,
       command.deadline);
@@ -131,11 +131,11 @@ void Commands::account(PendingCommand& command, const WriteStep& step, Commanded
       record->confirmed = field.raw;
     }
     if (commanded_.is_control(field.signal)) {
-      const bool momentary = config::is_momentary(model_.signals[field.signal], field.raw);
-      if (momentary && step.rpdo == 0 && commanded_.is_supervised(field.signal)) {
+      const ControlUse use = use_of_control(field.raw);
+      if (use == ControlUse::momentary && step.rpdo == 0 && commanded_.is_supervised(field.signal)) {
         command.note = "by SDO, so no RPDO is repeated: the drive's supervision of it may trip";
       }
-      control_.on_confirmed_control(command.record.writer, use_of(field), now);
+      control_.on_confirmed_control(command.record.writer, use, now);
       control_changed();
     }
   }

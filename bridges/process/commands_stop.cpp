@@ -47,7 +47,7 @@ Commands::StopParts Commands::take_apart(const PendingCommand& command, std::spa
       parts.fields.push_back(checked.value().front());
     }
   }
-  parts.fields = in_writing_order(model_, std::move(parts.fields));
+  parts.fields = in_writing_order(commanded_, std::move(parts.fields));
   if (!parts.fields.empty() && commanded_.is_control(parts.fields.back().signal)) {
     std::rotate(parts.fields.begin(), parts.fields.end() - 1, parts.fields.end());
   }
@@ -84,7 +84,6 @@ awaitable<Outcome> Commands::write_first(PendingCommand& command, std::vector<Fi
   }
   command.use = ControlUse::none;  // From here on it is no stop: the next one does not wait for it.
   command.begun = false;
-  command.noted = true;
   const CommandLane::Place place(lane_, command, true);
   Refusal refused = co_await await_turn(command);
   if (refused) {

@@ -79,7 +79,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
     return commands_.sdo_write(std::move(origin), value);
   }
 
-  /// A command with these fields is a stop: nothing may keep it waiting.
+  /// A command with these fields is a stop: nothing may keep it waiting. Where none of them changes bits alone (Mask),
+  /// from any thread: it looks at the model only.
   [[nodiscard]] bool is_stop(std::span<const FieldWrite> fields) const { return commands_.is_stop(fields); }
   [[nodiscard]] const Commanded& commanded() const noexcept { return commands_.commanded(); }
   [[nodiscard]] ControlState control() const { return commands_.control(); }

@@ -4,16 +4,11 @@
 #include <iterator>
 #include <string_view>
 
+#include "bridges/process/command_checks.h"
 #include "bridges/process/commanded.h"
 
 namespace process {
 namespace {
-
-constexpr std::string_view kControlCommand = "control_command";
-
-bool is_control(const config::Drive& model, const Field& field) {
-  return model.signals[field.signal].name == kControlCommand;
-}
 
 // The RPDO of the first of these fields with all others of it, or nothing where they do not complete it.
 WriteStep rpdo_step(const Commanded& commanded, const Field& first, std::span<const Field> remaining) {
@@ -23,13 +18,6 @@ WriteStep rpdo_step(const Commanded& commanded, const Field& first, std::span<co
   }
   WriteStep step{rpdo, fields_of(commanded, rpdo, remaining)};
   return commanded.values(rpdo, step.fields) ? step : WriteStep{};
-}
-
-const config::Signal* signal_of(const config::Drive& model, canopen::ObjectAddress object) {
-  const auto found = std::find_if(model.signals.begin(), model.signals.end(), [&](const config::Signal& signal) {
-    return signal.object == object && config::writable(signal.access) && !signal.derived;
-  });
-  return found == model.signals.end() ? nullptr : &*found;
 }
 
 std::string listed(const std::vector<std::string_view>& names) {
@@ -45,7 +33,7 @@ std::string listed(const std::vector<std::string_view>& names) {
 
 }  // namespace
 
-std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Field> fields) {
+std::vector<Field> in_writing_order(const Commanded& commanded, std::vector<Field> fields) {
   std::vector<Field> ordered;
   for (auto field = fields.rbegin(); field != fields.rend(); ++field) {
     const bool given_later =
@@ -55,8 +43,8 @@ std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Fiel
     }
   }
   std::reverse(ordered.begin(), ordered.end());
-  const auto control =
-      std::find_if(ordered.begin(), ordered.end(), [&](const Field& field) { return is_control(model, field); });
+  const auto control = std::find_if(ordered.begin(), ordered.end(),
+                                    [&](const Field& field) { return commanded.is_control(field.signal); });
   if (control != ordered.end()) {
     std::rotate(control, control + 1, ordered.end());
   }
@@ -99,9 +87,9 @@ std::string completion_text(const config::Drive& model, std::uint16_t rpdo) {
       return "RPDO" + std::to_string(rpdo) + " also carries " + canopen::to_string(mapped.object) +
              ", which is neither a signal nor declared unused";
     }
-    const config::Signal* signal = signal_of(model, mapped.object);
-    if (mapped.use == canopen::FieldUse::commanded && signal != nullptr) {
-      names.push_back(signal->name);
+    const std::optional<SignalId> signal = writable_signal(model, mapped.object);
+    if (mapped.use == canopen::FieldUse::commanded && signal) {
+      names.push_back(model.signals[*signal].name);
     }
   }
   return "write " + listed(names) + " together";

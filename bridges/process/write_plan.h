@@ -26,7 +26,7 @@ struct WriteStep {
 };
 
 /// Each signal once, the last value given; set-points in their order, `control_command` last.
-[[nodiscard]] std::vector<Field> in_writing_order(const config::Drive& model, std::vector<Field> fields);
+[[nodiscard]] std::vector<Field> in_writing_order(const Commanded& commanded, std::vector<Field> fields);
 
 /// The next step of writing `remaining` (not empty, in writing order): an RPDO where these fields complete it, else the
 /// first by SDO; what writes the control command comes last.

@@ -50,7 +50,7 @@ class Outputs {
   /// of before; a repetition that waits to leave is withdrawn. However many writes follow each other and however long
   /// one takes, this keeps repetitions back by one period at most.
   void hold(ObjectAddress object);
-  /// The SDO write is confirmed. A repetition that was kept back, or left with the value of before, follows at once.
+  /// That SDO write is over. A repetition that was kept back, or left with the value of before, follows at once.
   void refresh(ObjectAddress object);
   /// The image says something else now: a repetition that waits with what was said before does not leave.
   void look_again();

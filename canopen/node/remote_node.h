@@ -93,7 +93,7 @@ class RemoteNode {
   void withdraw_command();
   /// A command of `object` goes by SDO now: an RPDO that is repeated must not undo it meanwhile.
   void hold_repetition(ObjectAddress object) { outputs_.hold(object); }
-  /// That write is confirmed.
+  /// That write is over.
   void refresh_repetition(ObjectAddress object) { outputs_.refresh(object); }
   /// NodeEvents::repetition() tells something else than before.
   void repetition_changed() { outputs_.look_again(); }

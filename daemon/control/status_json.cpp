@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "bridges/mqtt/json_text.h"
-#include "bridges/mqtt/timestamp.h"
 #include "bridges/mqtt/value_text.h"
+#include "bridges/process/timestamp.h"
 
 namespace gateway::control {
 namespace {
@@ -89,7 +89,7 @@ void append_control(std::string& out, const process::ControlState& control) {
   ObjectText object(out);
   if (control.holder) {
     object.text("holder", to_string(*control.holder));
-    object.text("since", mqtt::timestamp(control.since));
+    object.text("since", process::timestamp(control.since));
   } else {
     object.null("holder");
     object.null("since");
@@ -104,7 +104,7 @@ void append_alarm(std::string& out, std::string_view kind, const process::Alarm&
   object.text("code", fmt::format("0x{:04X}", alarm.code));
   object.text("text", alarm.text);
   object.text("severity", alarm.severity == config::Severity::fault ? "fault" : "warning");
-  object.text("since", mqtt::timestamp(alarm.since));
+  object.text("since", process::timestamp(alarm.since));
   object.boolean("confirmed", alarm.confirmed);
   object.close();
 }
@@ -167,7 +167,7 @@ void append_drive(std::string& out, const process::Plant& plant, std::size_t ind
 std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
   std::string out;
   ObjectText object(out);
-  object.text("ts", mqtt::timestamp(canopen::wall_now()));
+  object.text("ts", process::timestamp(canopen::wall_now()));
   object.text("gateway", plant.model().gateway.name);
   object.text("version", GATEWAY_VERSION);
   object.key("uptime") += seconds(now - started);

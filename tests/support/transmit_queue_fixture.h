@@ -64,6 +64,12 @@ class TransmitQueueFixture : public ::testing::Test {
     queue.on_echo(content, now);
     queue.service(now);
   }
+  /// Echoes what the kernel has, oldest first, until nothing is left.
+  void drain() {
+    for (std::size_t i = 0; i < link.sent.size(); ++i) {
+      echo(link.sent[i]);
+    }
+  }
   void see_life() {
     queue.on_received(now);
     queue.service(now);

@@ -50,6 +50,19 @@ void start_motor(SimulatedPlant& plant) {
   ASSERT_EQ(plant.drive(kNode).motor().state(), simulator::MotorState::running);
 }
 
+/// And forgets what was on the bus until then.
+void trip(SimulatedPlant& plant) {
+  plant.drive(kNode).fault(kFault);
+  plant.run(20ms);
+  plant.forget();
+}
+
+void reset_fault(SimulatedPlant& plant) {
+  EXPECT_EQ(plant.command(kNode, kFaultReset, 0, 0, kSpeed), kWritten) << plant.failure("mixer1");
+  plant.run(5s);
+  EXPECT_EQ(plant.drive(kNode).model().fault(), 0) << "it tripped again";
+}
+
 class PdoOnly : public testing::TestWithParam<std::tuple<std::string, std::uint32_t>> {
  protected:
   static std::string profile() { return std::get<0>(GetParam()); }
@@ -101,13 +114,9 @@ TEST_P(PdoOnly, UnderSupervisionAFaultIsResetAndTheMotorRunsAgain) {
   SimulatedPlant plant(supervised(profile()));
   refuse_sdo(plant);
   start_motor(plant);
-  plant.drive(kNode).fault(kFault);
-  plant.run(20ms);
-  plant.forget();
+  trip(plant);
   plant.run(100ms);
-  EXPECT_EQ(plant.command(kNode, kFaultReset, 0, 0, kSpeed), kWritten) << plant.failure("mixer1");
-  plant.run(5s);
-  EXPECT_EQ(plant.drive(kNode).model().fault(), 0) << "it tripped again";
+  reset_fault(plant);
   EXPECT_EQ(plant.drive(kNode).state(), simulator::NmtState::operational);
   EXPECT_THAT(plant.control_words(kNode), Each(kFaultReset));
   EXPECT_GT(plant.control_words(kNode).size(), 20U);
@@ -121,14 +130,10 @@ TEST_P(PdoOnly, UnderSupervisionAFaultIsResetLate) {
   refuse_sdo(plant);
   ObjectDictionary::write(*plant.drive(kNode).dictionary().find({0x1029, 1}), 1);
   start_motor(plant);
-  plant.drive(kNode).fault(kFault);
-  plant.run(20ms);
-  plant.forget();
+  trip(plant);
   plant.run(5s);
   EXPECT_THAT(plant.control_words(kNode), IsEmpty());
-  EXPECT_EQ(plant.command(kNode, kFaultReset, 0, 0, kSpeed), kWritten) << plant.failure("mixer1");
-  plant.run(5s);
-  EXPECT_EQ(plant.drive(kNode).model().fault(), 0) << "it tripped again";
+  reset_fault(plant);
   EXPECT_THAT(plant.control_words(kNode), Each(kFaultReset));
   start_motor(plant);
 }
@@ -138,9 +143,7 @@ TEST_P(PdoOnly, AResetAtTheKeypadMovesNothing) {
   refuse_sdo(plant);
   ObjectDictionary::write(*plant.drive(kNode).dictionary().find({0x1029, 1}), 1);
   start_motor(plant);
-  plant.drive(kNode).fault(kFault);
-  plant.run(20ms);
-  plant.forget();
+  trip(plant);
   plant.run(100ms);
   const auto runs = plant.drive(kNode).record().run_commands;
   plant.drive(kNode).clear_faults();

@@ -1,10 +1,10 @@
-#include "bridges/mqtt/timestamp.h"
+#include "bridges/process/timestamp.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 
-namespace mqtt {
+namespace process {
 namespace {
 
 using namespace std::chrono;
@@ -30,4 +30,4 @@ TEST(Timestamp, ReadsNothingElse) {
 }
 
 }  // namespace
-}  // namespace mqtt
+}  // namespace process
