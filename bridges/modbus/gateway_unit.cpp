@@ -62,7 +62,7 @@ boost::asio::awaitable<std::optional<Exception>> GatewayUnit::write(Request requ
   if (request.values[0] == 0 && request.values[1] == 0) {
     co_return Exception::illegal_value;
   }
-  if (!process::commands_any(plant_, origin.writer)) {
+  if (process::commanded_by(plant_, origin.writer) == 0) {
     co_return Exception::illegal_function;
   }
   const std::vector<process::NotStopped> missed = co_await process::stop_all(plant_, std::move(origin));

@@ -127,7 +127,7 @@ Requests::Command Requests::take_apart(const Incoming& incoming, const Route& ro
   const bool value =
       route.kind == Route::Kind::set_signal || route.kind == Route::Kind::nmt || route.kind == Route::Kind::stop_all;
   const Parsed parsed = value ? parse_value(incoming.payload) : parse_object_payload(incoming.payload);
-  process::Drive* drive = find_drive(route.drive);
+  process::Drive* drive = plant_.find(route.drive);
   Command command{.to = reply_to(incoming, route, drive),
                   .drive = drive,
                   .has_id = !parsed.id.empty(),
@@ -223,7 +223,7 @@ boost::asio::awaitable<void> Requests::carry_out(process::Origin origin, Command
 
 // A message that the broker kept may be of any time. It moves nothing, so it needs no answer.
 void Requests::take_sign_of_life(const Incoming& incoming, const Route& route) {
-  process::Drive* drive = find_drive(route.drive);
+  process::Drive* drive = plant_.find(route.drive);
   if (incoming.retained) {
     if (!incoming.payload.empty()) {
       under_way_->send({.topic = incoming.topic, .payload = {}});
@@ -244,15 +244,6 @@ void Requests::spawn(std::size_t* among, boost::asio::awaitable<void> work) {
       std::rethrow_exception(failure);
     }
   });
-}
-
-process::Drive* Requests::find_drive(std::string_view name) const {
-  for (std::size_t i = 0; i < plant_.size(); ++i) {
-    if (plant_.drive(i).model().name == name) {
-      return &plant_.drive(i);
-    }
-  }
-  return nullptr;
 }
 
 }  // namespace mqtt

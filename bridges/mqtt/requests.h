@@ -72,7 +72,6 @@ class Requests {
   void take_sign_of_life(const Incoming& incoming, const Route& route);
   /// Counts what is under way; `among` those of its drive, null: of no single one.
   void spawn(std::size_t* among, boost::asio::awaitable<void> work);
-  [[nodiscard]] process::Drive* find_drive(std::string_view name) const;
 
   boost::asio::any_io_executor executor_;
   process::Plant& plant_;

@@ -24,7 +24,7 @@ std::string short_text(const canopen::Error& error) {
 // One outcome for all: the kind is that of the first that was missed, and all of them are named.
 process::Outcome outcome_of_all(const process::Plant& plant, const process::Writer& writer,
                                 const std::vector<process::NotStopped>& missed) {
-  if (!process::commands_any(plant, writer)) {
+  if (process::commanded_by(plant, writer) == 0) {
     return canopen::Error{.kind = canopen::ErrorKind::forbidden, .detail = "no drive takes commands of this writer"};
   }
   if (missed.empty()) {

@@ -76,6 +76,13 @@ const Drive& Plant::drive(std::size_t index) const noexcept {
   return *body_->drives[index];
 }
 
+Drive* Plant::find(std::string_view name) noexcept {
+  const auto& drives = body_->drives;
+  const auto found =
+      std::find_if(drives.begin(), drives.end(), [=](const auto& drive) { return drive->model().name == name; });
+  return found == drives.end() ? nullptr : found->get();
+}
+
 std::size_t Plant::online() const noexcept {
   const auto& drives = body_->drives;
   return static_cast<std::size_t>(

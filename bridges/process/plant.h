@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "bridges/process/drive.h"
@@ -39,6 +40,8 @@ class Plant {
   [[nodiscard]] std::size_t size() const noexcept;  ///< Drives.
   [[nodiscard]] Drive& drive(std::size_t index) noexcept;
   [[nodiscard]] const Drive& drive(std::size_t index) const noexcept;
+  /// Null where no drive has this name.
+  [[nodiscard]] Drive* find(std::string_view name) noexcept;
   [[nodiscard]] std::size_t online() const noexcept;
   [[nodiscard]] std::size_t with_alarm() const noexcept;  ///< Drives with any active alarm.
 

@@ -35,9 +35,9 @@ boost::asio::awaitable<void> stop_one(Drive& drive, Origin origin, Round& round)
 
 }  // namespace
 
-bool commands_any(const Plant& plant, const Writer& writer) {
-  return std::ranges::any_of(plant.model().drives,
-                             [&](const config::Drive& model) { return takes_commands(model, writer); });
+std::size_t commanded_by(const Plant& plant, const Writer& writer) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      plant.model().drives, [&](const config::Drive& model) { return takes_commands(model, writer); }));
 }
 
 boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin origin) {

@@ -16,8 +16,8 @@ struct NotStopped {
   canopen::Error error;   ///< `unknown` where no stop value of it is known.
 };
 
-/// Any drive in service takes commands of this writer.
-[[nodiscard]] bool commands_any(const Plant& plant, const Writer& writer);
+/// How many drives in service take commands of this writer: those that a stop for all is for.
+[[nodiscard]] std::size_t commanded_by(const Plant& plant, const Writer& writer);
 
 /// One stop for all: the first stop value of its profile to every drive in service that takes commands of this writer,
 /// to all of them at once. Returns when each has answered, at the latest after the longest of their deadlines. Tells

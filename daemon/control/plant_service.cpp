@@ -29,15 +29,6 @@ process::Origin origin_of(const Asked& asked) {
   return {.writer = writer_of(asked), .received = asked.received};
 }
 
-Drive* find_drive(Plant& plant, std::string_view name) {
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    if (plant.drive(i).model().name == name) {
-      return &plant.drive(i);
-    }
-  }
-  return nullptr;
-}
-
 std::string no_drive(const Asked& asked) {
   return refusal(asked.id, {.kind = ErrorKind::unknown, .detail = "no drive \"" + asked.request.drive + "\""});
 }
@@ -96,7 +87,8 @@ std::vector<process::FieldWrite> stop_among(const Drive& drive, const mqtt::Flat
 // Something beside the stop is no value of the drive: the stop is carried out, and what is wrong is told.
 awaitable<std::string> stop_all_the_same(Drive& drive, Asked asked, std::vector<process::FieldWrite> stop,
                                          Error wrong) {
-  const process::Outcome outcome = co_await drive.write(origin_of(asked), std::move(stop));
+  process::Origin origin = origin_of(asked);
+  const process::Outcome outcome = co_await drive.write(std::move(origin), std::move(stop));
   if (outcome.has_error()) {
     co_return refusal(asked.id, outcome.error());
   }
@@ -105,7 +97,7 @@ awaitable<std::string> stop_all_the_same(Drive& drive, Asked asked, std::vector<
 }
 
 awaitable<std::string> set(Plant& plant, Asked asked) {
-  Drive* const drive = find_drive(plant, asked.request.drive);
+  Drive* const drive = plant.find(asked.request.drive);
   if (drive == nullptr) {
     co_return no_drive(asked);
   }
@@ -115,13 +107,16 @@ awaitable<std::string> set(Plant& plant, Asked asked) {
     if (stop.empty()) {
       co_return refused(asked, *drive, fields.error());
     }
-    co_return co_await stop_all_the_same(*drive, std::move(asked), std::move(stop), fields.error());
+    std::string told = co_await stop_all_the_same(*drive, std::move(asked), std::move(stop), fields.error());
+    co_return told;
   }
-  co_return told_outcome(asked.id, co_await drive->write(origin_of(asked), std::move(fields.value())));
+  process::Origin origin = origin_of(asked);
+  const process::Outcome outcome = co_await drive->write(std::move(origin), std::move(fields.value()));
+  co_return told_outcome(asked.id, outcome);
 }
 
 awaitable<std::string> nmt(Plant& plant, Asked asked) {
-  Drive* const drive = find_drive(plant, asked.request.drive);
+  Drive* const drive = plant.find(asked.request.drive);
   if (drive == nullptr) {
     co_return no_drive(asked);
   }
@@ -129,11 +124,13 @@ awaitable<std::string> nmt(Plant& plant, Asked asked) {
   if (command.has_error()) {
     co_return refused(asked, *drive, command.error());
   }
-  co_return told_outcome(asked.id, co_await drive->nmt(origin_of(asked), command.value()));
+  process::Origin origin = origin_of(asked);
+  const process::Outcome outcome = co_await drive->nmt(std::move(origin), command.value());
+  co_return told_outcome(asked.id, outcome);
 }
 
 awaitable<std::string> sdo(Plant& plant, Asked asked) {
-  Drive* const drive = find_drive(plant, asked.request.drive);
+  Drive* const drive = plant.find(asked.request.drive);
   if (drive == nullptr) {
     co_return no_drive(asked);
   }
@@ -143,8 +140,10 @@ awaitable<std::string> sdo(Plant& plant, Asked asked) {
       co_return refused(asked, *drive, request.error());
     }
     const mqtt::SdoRequest& write = request.value();
-    co_return told_outcome(
-        asked.id, co_await drive->sdo_write(origin_of(asked), {write.object, write.type, write.value.value()}));
+    process::Origin origin = origin_of(asked);
+    const canopen::ObjectValue value{write.object, write.type, write.value.value()};
+    const process::Outcome outcome = co_await drive->sdo_write(std::move(origin), value);
+    co_return told_outcome(asked.id, outcome);
   }
   if (request.has_error()) {
     co_return refusal(asked.id, request.error());
@@ -154,18 +153,10 @@ awaitable<std::string> sdo(Plant& plant, Asked asked) {
                              : read_value(asked.id, request.value().type, read.value());
 }
 
-std::size_t drives_that_take(const Plant& plant, const process::Writer& writer) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    const config::Drive& drive = plant.drive(i).model();
-    count += drive.enabled && !process::refuse_writer(drive, writer) ? 1U : 0U;
-  }
-  return count;
-}
-
 awaitable<std::string> stop(Plant& plant, Asked asked) {
-  const std::size_t drives = drives_that_take(plant, writer_of(asked));
-  const std::vector<process::NotStopped> not_stopped = co_await process::stop_all(plant, origin_of(asked));
+  const std::size_t drives = process::commanded_by(plant, writer_of(asked));
+  process::Origin origin = origin_of(asked);
+  const std::vector<process::NotStopped> not_stopped = co_await process::stop_all(plant, std::move(origin));
   co_return stop_answer(asked.id, plant, drives, not_stopped);
 }
 
@@ -191,7 +182,7 @@ awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint star
 }
 
 bool is_stop(Plant& plant, const Request& request) {
-  const Drive* const drive = request.op == Op::set ? find_drive(plant, request.drive) : nullptr;
+  const Drive* const drive = request.op == Op::set ? plant.find(request.drive) : nullptr;
   return drive == nullptr ? request.op == Op::stop : !stop_among(*drive, request.values).empty();
 }
 
