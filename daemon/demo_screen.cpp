@@ -40,9 +40,9 @@ std::string value_of(const process::Drive& drive, std::string_view name, canopen
 
 std::string alarms_of(const process::Drive& drive) {
   std::string text;
-  for (const process::AlarmKind kind : process::kAlarmKinds) {
-    if (const process::Alarm& alarm = drive.alarm(kind); alarm.active) {
-      text += fmt::format("   ALARM {}: {}", process::name_of(kind), alarm.text);
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.active) {
+      text += fmt::format("   ALARM {}: {}", alarms::name_of(kind), alarm.text);
     }
   }
   return text;

@@ -5,7 +5,7 @@
 namespace gateway {
 namespace {
 
-spdlog::level::level_enum level_of(const process::Alarm& alarm) noexcept {
+spdlog::level::level_enum level_of(const alarms::Alarm& alarm) noexcept {
   if (!alarm.active) {
     return spdlog::level::info;
   }
@@ -48,12 +48,12 @@ void EventLog::on_status(const process::Drive& drive) {
   spdlog::info("{}: {}, {}", drive.model().name, status.online ? "online" : "offline", canopen::name_of(status.nmt));
 }
 
-void EventLog::on_alarm(const process::Drive& drive, process::AlarmKind kind) {
-  const process::Alarm& alarm = drive.alarm(kind);
+void EventLog::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
+  const alarms::Alarm& alarm = drive.alarm(kind);
   if (alarm.id.empty()) {
     return;
   }
-  spdlog::log(level_of(alarm), "{}: alarm {} {}: 0x{:04X} {}", drive.model().name, process::name_of(kind),
+  spdlog::log(level_of(alarm), "{}: alarm {} {}: 0x{:04X} {}", drive.model().name, alarms::name_of(kind),
               alarm.active ? (alarm.confirmed ? "active" : "active, not confirmed") : "over", alarm.code, alarm.text);
 }
 

@@ -21,7 +21,7 @@ class EventLog final : public process::Observer {
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_status(const process::Drive& drive) override;
-  void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
+  void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
   void on_remark(const process::Drive& drive, const std::string& text) override;
   void on_command_done(const process::Drive& drive, const process::CommandRecord& record,

@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "bridges/journal/sha256.h"
-#include "bridges/process/timestamp.h"
+#include "bridges/text/timestamp.h"
 
 namespace journal {
 namespace {
@@ -73,7 +73,7 @@ std::optional<Line> parse_line(std::string_view text) {
 
 std::string make_line(const Entry& entry, std::uint64_t n, std::string_view prev) {
   std::string line = "{\"n\":" + std::to_string(n);
-  line += ",\"ts\":\"" + process::timestamp(entry.wall) + "\",\"mono\":" + seconds_text(entry.at) + ',';
+  line += ",\"ts\":\"" + text::timestamp(entry.wall) + "\",\"mono\":" + seconds_text(entry.at) + ',';
   line += entry.members;
   line += ",\"prev\":\"";
   line += prev;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/process/timestamp.h"
+#include "bridges/text/timestamp.h"
 
 namespace journal {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 constexpr std::chrono::minutes kPeriod(1);
 
 std::string one_of(const Ended& ended) {
-  return "{\"ts\":\"" + process::timestamp(ended.wall) + "\"," + ended.what + '}';
+  return "{\"ts\":\"" + text::timestamp(ended.wall) + "\"," + ended.what + '}';
 }
 
 }  // namespace

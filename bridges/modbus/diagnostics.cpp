@@ -53,7 +53,7 @@ std::uint16_t state_bits(const process::Drive& drive, canopen::TimePoint now) {
 
 Diagnostics diagnostics_of(const process::Drive& drive, config::WordOrder order, canopen::TimePoint now) {
   const canopen::NodeStatus& status = drive.status();
-  const process::Alarm& emergency = drive.alarm(process::AlarmKind::emcy);
+  const alarms::Alarm& emergency = drive.alarm(alarms::AlarmKind::emcy);
   Diagnostics block{};
   block[0] = state_bits(drive, now);
   block[1] = static_cast<std::uint16_t>(status.nmt);

@@ -64,7 +64,7 @@ void Server::on_commanded(const process::Drive& drive, std::span<const process::
 
 void Server::on_status(const process::Drive& /*drive*/) {}
 
-void Server::on_alarm(const process::Drive& /*drive*/, process::AlarmKind /*kind*/) {}
+void Server::on_alarm(const process::Drive& /*drive*/, alarms::AlarmKind /*kind*/) {}
 
 void Server::on_bus(std::size_t /*bus*/) {}
 

@@ -1,8 +1,8 @@
 #include "bridges/mqtt/answers.h"
 
-#include "bridges/mqtt/json_text.h"
 #include "bridges/mqtt/value_text.h"
 #include "bridges/process/answer.h"
+#include "bridges/text/json_text.h"
 #include "canopen/object.h"
 
 namespace mqtt {
@@ -23,7 +23,7 @@ std::string text_of(const canopen::Error& error) {
   return plain ? error.detail : canopen::to_string(error);
 }
 
-void append_error(ObjectText& object, const canopen::Error& error) {
+void append_error(text::ObjectText& object, const canopen::Error& error) {
   object.text("code", process::answer_of(error.kind).mqtt_code);
   if (error.abort != 0) {
     object.text("abort", abort_code(error.abort));
@@ -32,7 +32,7 @@ void append_error(ObjectText& object, const canopen::Error& error) {
 }
 
 // The client's own id as he wrote it, else the one by which the journal knows the command.
-void append_id(ObjectText& object, const ReplyTo& to, std::string_view made = {}) {
+void append_id(text::ObjectText& object, const ReplyTo& to, std::string_view made = {}) {
   if (!to.id.empty()) {
     object.key("id") += to.id;
   } else if (!made.empty()) {
@@ -40,7 +40,7 @@ void append_id(ObjectText& object, const ReplyTo& to, std::string_view made = {}
   }
 }
 
-void append_outcome(ObjectText& object, const process::Outcome& outcome) {
+void append_outcome(text::ObjectText& object, const process::Outcome& outcome) {
   object.boolean("ok", outcome.has_value());
   if (outcome.has_error()) {
     append_error(object, outcome.error());
@@ -50,7 +50,7 @@ void append_outcome(ObjectText& object, const process::Outcome& outcome) {
 // Both forms have the same members, each in an order of its own.
 std::string answer_text(const ReplyTo& to, const process::Outcome& outcome, const std::optional<std::string>& first) {
   std::string payload;
-  ObjectText object(payload);
+  text::ObjectText object(payload);
   if (to.sdo) {
     append_id(object, to, outcome.id);
   }
@@ -72,7 +72,7 @@ std::string answer_text(const ReplyTo& to, const process::Outcome& outcome, cons
   return payload;
 }
 
-void append_raw(ObjectText& object, canopen::DataType type, canopen::Raw raw) {
+void append_raw(text::ObjectText& object, canopen::DataType type, canopen::Raw raw) {
   if (type == canopen::DataType::boolean) {
     object.boolean("value", raw != 0);
   } else if (canopen::is_real(type)) {
@@ -98,7 +98,7 @@ Message command_answer(const ReplyTo& to, const process::Outcome& outcome) {
 
 std::string first_outcome(const process::Outcome& outcome) {
   std::string text;
-  ObjectText object(text);
+  text::ObjectText object(text);
   append_outcome(object, outcome);
   object.close();
   return text;
@@ -113,7 +113,7 @@ Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& fi
 Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,
                    canopen::DataType type) {
   std::string payload;
-  ObjectText object(payload);
+  text::ObjectText object(payload);
   append_id(object, to);
   object.boolean("ok", outcome.has_value());
   if (outcome.has_error()) {

@@ -8,7 +8,7 @@
 #include <exception>
 #include <utility>
 
-#include "bridges/mqtt/alarm_json.h"
+#include "bridges/alarms/alarm_json.h"
 #include "bridges/mqtt/info.h"
 #include "bridges/mqtt/payload.h"
 
@@ -103,13 +103,13 @@ void Bridge::on_status(const process::Drive& drive) {
   }
 }
 
-void Bridge::on_alarm(const process::Drive& drive, process::AlarmKind kind) {
+void Bridge::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
   if (session_.ready()) {
     wake(feeds_[drive.index()].mark_alarm(kind, canopen::Clock::now()));
   }
 }
 
-void Bridge::on_bus(std::size_t bus) {
+void Bridge::on_bus_alarm(std::size_t bus) {
   bus_alarms_due_.at(bus) = true;
   if (session_.ready()) {
     wake(canopen::Clock::now());
@@ -176,10 +176,10 @@ void Bridge::take_alarm(const Route& route, const Incoming& message) {
     return;
   }
   for (std::size_t i = 0; i < plant_.size(); ++i) {
-    if (topics_.drive(i).alarms.at(static_cast<std::size_t>(process::AlarmKind::emcy)) != message.topic) {
+    if (topics_.drive(i).alarms.at(static_cast<std::size_t>(alarms::AlarmKind::emcy)) != message.topic) {
       continue;
     }
-    if (const auto alarm = parse_alarm(message.payload)) {
+    if (const auto alarm = alarms::parse_alarm(message.payload)) {
       plant_.drive(i).restore_emcy(*alarm);
     } else {
       notice_(Level::warning, "MQTT: what " + message.topic + " holds is no alarm of " + std::string(route.drive) +
@@ -208,8 +208,9 @@ void Bridge::collect(canopen::TimePoint now) {
   for (std::size_t i = 0; i < bus_alarms_due_.size(); ++i) {
     if (bus_alarms_due_[i]) {
       bus_alarms_due_[i] = false;
-      batch_.push_back(
-          {.topic = topics_.bus_alarm(i), .payload = alarm_json(plant_.bus_alarm(i)), .kind = MessageKind::alarm});
+      batch_.push_back({.topic = topics_.bus_alarm(i),
+                        .payload = alarms::alarm_json(plant_.bus_alarm(i)),
+                        .kind = MessageKind::alarm});
     }
   }
   for (Feed& feed : feeds_) {

@@ -49,8 +49,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_control(const process::Drive& drive) override;
   void on_status(const process::Drive& drive) override;
-  void on_alarm(const process::Drive& drive, process::AlarmKind kind) override;
-  void on_bus(std::size_t bus) override;
+  void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
+  void on_bus(std::size_t /*bus*/) override {}
+  void on_bus_alarm(std::size_t bus) override;
 
  private:
   void on_connected(ConnectionId connection) override;

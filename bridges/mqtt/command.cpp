@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/mqtt/json_text.h"
 #include "bridges/mqtt/number_text.h"
 #include "bridges/mqtt/value_text.h"
+#include "bridges/text/json_text.h"
 
 namespace mqtt {
 namespace {
@@ -58,7 +58,7 @@ void take_id(Parsed& parsed) {
   if (value.kind == Scalar::Kind::number) {
     parsed.id = value.text;
   } else if (value.kind == Scalar::Kind::string) {
-    append_quoted(parsed.id, value.text);
+    text::append_quoted(parsed.id, value.text);
   } else {
     parsed.members = type_error("\"id\" is to be a string or a number");
   }

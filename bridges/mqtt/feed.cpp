@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "bridges/mqtt/alarm_json.h"
+#include "bridges/alarms/alarm_json.h"
 #include "bridges/mqtt/payload.h"
 
 namespace mqtt {
@@ -22,8 +22,8 @@ bool tells_its_state(const canopen::NodeStatus& status) {
 }
 
 // Follows from whether and how the drive is there. What emcy holds was read back from the broker.
-bool depends_on_state(process::AlarmKind kind) {
-  return kind == process::AlarmKind::heartbeat || kind == process::AlarmKind::boot || kind == process::AlarmKind::data;
+bool depends_on_state(alarms::AlarmKind kind) {
+  return kind == alarms::AlarmKind::heartbeat || kind == alarms::AlarmKind::boot || kind == alarms::AlarmKind::data;
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ canopen::TimePoint Feed::mark_status(canopen::TimePoint now) {
   return now;
 }
 
-canopen::TimePoint Feed::mark_alarm(process::AlarmKind kind, canopen::TimePoint now) {
+canopen::TimePoint Feed::mark_alarm(alarms::AlarmKind kind, canopen::TimePoint now) {
   alarms_due_.set(static_cast<std::size_t>(kind));
   return now;
 }
@@ -100,14 +100,15 @@ canopen::TimePoint Feed::collect_alarms(canopen::TimePoint now, std::vector<Mess
   first_ = first_.value_or(now);
   const canopen::TimePoint until = *first_ + patience_of(drive_.model());
   learnt_ = learnt_ || !drive_.model().enabled || tells_its_state(drive_.status()) || now >= until;
-  for (const process::AlarmKind kind : process::kAlarmKinds) {
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
     const auto position = static_cast<std::size_t>(kind);
     if (!alarms_due_.test(position) || (depends_on_state(kind) && !learnt_)) {
       continue;
     }
     alarms_due_.reset(position);
-    out.push_back(
-        {.topic = topics_.alarms.at(position), .payload = alarm_json(drive_.alarm(kind)), .kind = MessageKind::alarm});
+    out.push_back({.topic = topics_.alarms.at(position),
+                   .payload = alarms::alarm_json(drive_.alarm(kind)),
+                   .kind = MessageKind::alarm});
   }
   return learnt_ ? canopen::TimePoint::max() : until;
 }

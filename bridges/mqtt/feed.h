@@ -22,7 +22,7 @@ class Feed {
 
   canopen::TimePoint mark_values(std::span<const process::SignalId> signals, canopen::TimePoint now);
   canopen::TimePoint mark_status(canopen::TimePoint now);
-  canopen::TimePoint mark_alarm(process::AlarmKind kind, canopen::TimePoint now);
+  canopen::TimePoint mark_alarm(alarms::AlarmKind kind, canopen::TimePoint now);
   canopen::TimePoint mark_control(canopen::TimePoint now);
   /// Everything is due: a new connection.
   void mark_all();
@@ -51,7 +51,7 @@ class Feed {
   /// call them over for the seconds that a search takes would be no news but a mistake.
   bool learnt_ = false;
   std::optional<canopen::TimePoint> first_;  ///< When it first had something to tell.
-  std::bitset<process::kAlarmKinds.size()> alarms_due_;
+  std::bitset<alarms::kAlarmKinds.size()> alarms_due_;
 };
 
 }  // namespace mqtt

@@ -1,17 +1,17 @@
 #include "bridges/mqtt/info.h"
 
-#include "bridges/mqtt/json_text.h"
+#include "bridges/text/json_text.h"
 #include "canopen/object.h"
 
 namespace mqtt {
 namespace {
 
-void append_names(ObjectText& object, const config::Signal& signal) {
+void append_names(text::ObjectText& object, const config::Signal& signal) {
   if (signal.values.empty()) {
     object.null("values");
     return;
   }
-  ObjectText names(object.key("values"));
+  text::ObjectText names(object.key("values"));
   for (const auto& [raw, name] : signal.values) {
     names.text(std::to_string(raw), name);
   }
@@ -19,7 +19,7 @@ void append_names(ObjectText& object, const config::Signal& signal) {
 }
 
 void append_signal(std::string& out, const config::Signal& signal, const std::string& topic) {
-  ObjectText object(out);
+  text::ObjectText object(out);
   object.text("name", signal.name);
   object.text("object", canopen::to_string(signal.object));
   object.text("type", canopen::name_of(signal.derived ? canopen::DataType::boolean : signal.type));
@@ -47,7 +47,7 @@ void append_signal(std::string& out, const config::Signal& signal, const std::st
 }
 
 void append_drive(std::string& out, const config::Model& model, const config::Drive& drive, const DriveTopics& topics) {
-  ObjectText object(out);
+  text::ObjectText object(out);
   object.text("name", drive.name);
   object.text("bus", model.buses.at(drive.bus).name);
   object.integer("node", drive.node.node);
@@ -62,7 +62,7 @@ void append_drive(std::string& out, const config::Model& model, const config::Dr
   list += '[';
   bool first = true;
   for (std::size_t i = 0; i < drive.signals.size(); ++i) {
-    append_separator(list, first);
+    text::append_separator(list, first);
     append_signal(list, drive.signals[i], topics.signals.at(i));
   }
   list += ']';
@@ -70,7 +70,7 @@ void append_drive(std::string& out, const config::Model& model, const config::Dr
 }
 
 void append_bus(std::string& out, const config::Bus& bus) {
-  ObjectText object(out);
+  text::ObjectText object(out);
   object.text("name", bus.name);
   object.text("interface", bus.interface);
   if (bus.bitrate) {
@@ -86,21 +86,21 @@ void append_bus(std::string& out, const config::Bus& bus) {
 
 std::string info_json(const config::Model& model, const Topics& topics, std::string_view version) {
   std::string out;
-  ObjectText object(out);
+  text::ObjectText object(out);
   object.text("version", version);
   object.text("gateway", model.gateway.name);
   object.text("base", topics.root());
   object.key("buses") += '[';
   bool first = true;
   for (const config::Bus& bus : model.buses) {
-    append_separator(out, first);
+    text::append_separator(out, first);
     append_bus(out, bus);
   }
   out += ']';
   object.key("drives") += '[';
   first = true;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
-    append_separator(out, first);
+    text::append_separator(out, first);
     append_drive(out, model, model.drives[i], topics.drive(i));
   }
   out += ']';

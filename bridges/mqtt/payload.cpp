@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "bridges/mqtt/json_text.h"
-#include "bridges/process/timestamp.h"
+#include "bridges/text/json_text.h"
+#include "bridges/text/timestamp.h"
 
 namespace mqtt {
 namespace {
@@ -27,8 +27,8 @@ std::optional<std::string> code_key(const config::Drive& model, const config::Si
   return key;
 }
 
-void append_named(ObjectText& object, const config::Drive& model, const config::Signal& signal, const std::string& text,
-                  canopen::Raw raw, bool fresh) {
+void append_named(text::ObjectText& object, const config::Drive& model, const config::Signal& signal,
+                  const std::string& text, canopen::Raw raw, bool fresh) {
   if (fresh) {
     object.text(signal.name, text);
   } else {
@@ -48,7 +48,7 @@ void append_named(ObjectText& object, const config::Drive& model, const config::
 void append_values(std::string& out, const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
   const config::Drive& model = drive.model();
   const process::Image& image = drive.image();
-  ObjectText object(out);
+  text::ObjectText object(out);
   std::string text;
   for (std::size_t i = 0; i < model.signals.size(); ++i) {
     const config::Signal& signal = model.signals[i];
@@ -75,9 +75,9 @@ void append_values(std::string& out, const process::Drive& drive, const Pace& pa
 std::string state_json(const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
   std::string out;
   out.reserve(128 + 32 * drive.model().signals.size());
-  ObjectText object(out);
+  text::ObjectText object(out);
   if (const auto ts = newest_value(drive.image())) {
-    object.text("ts", process::timestamp(*ts));
+    object.text("ts", text::timestamp(*ts));
   } else {
     object.null("ts");
   }
@@ -100,10 +100,10 @@ std::string signal_text(const process::Drive& drive, process::SignalId signal, S
 
 std::string control_json(const process::ControlState& control) {
   std::string payload;
-  ObjectText object(payload);
+  text::ObjectText object(payload);
   if (control.holder) {
     object.text("holder", process::to_string(*control.holder));
-    object.text("since", process::timestamp(control.since));
+    object.text("since", text::timestamp(control.since));
   } else {
     object.null("holder");
     object.null("since");

@@ -7,7 +7,7 @@ namespace mqtt {
 namespace {
 
 using canopen::kNever;
-constexpr auto kEmcy = static_cast<std::size_t>(process::AlarmKind::emcy);
+constexpr auto kEmcy = static_cast<std::size_t>(alarms::AlarmKind::emcy);
 
 }  // namespace
 

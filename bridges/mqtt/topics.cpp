@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/mqtt/utf8.h"
+#include "bridges/text/utf8.h"
 
 namespace mqtt {
 namespace {
@@ -33,7 +33,7 @@ std::optional<std::string_view> below(std::string_view topic, std::string_view p
 }
 
 bool is_publishable(std::string_view topic) {
-  if (topic.empty() || topic.size() > kMaxTopic || topic.front() == '$' || !is_utf8(topic)) {
+  if (topic.empty() || topic.size() > kMaxTopic || topic.front() == '$' || !text::is_utf8(topic)) {
     return false;
   }
   return std::none_of(topic.begin(), topic.end(), [](char character) {
@@ -48,8 +48,8 @@ DriveTopics topics_of(const config::Drive& drive, const std::string& root) {
   topics.state = parent + "state";
   topics.control = parent + "control";
   topics.sdo_response = parent + "sdo/response";
-  for (const process::AlarmKind kind : process::kAlarmKinds) {
-    topics.alarms.at(static_cast<std::size_t>(kind)) = parent + "alarm/" + std::string(process::name_of(kind));
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+    topics.alarms.at(static_cast<std::size_t>(kind)) = parent + "alarm/" + std::string(alarms::name_of(kind));
   }
   for (const config::Signal& signal : drive.signals) {
     topics.signals.push_back(parent + signal.name);

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "bridges/alarms/alarm.h"
 #include "bridges/mqtt/broker.h"
-#include "bridges/process/alarm.h"
 #include "config/model.h"
 
 namespace mqtt {
@@ -19,8 +19,8 @@ struct DriveTopics {
   std::string state;
   std::string control;
   std::string sdo_response;
-  std::array<std::string, process::kAlarmKinds.size()> alarms;  ///< By AlarmKind.
-  std::vector<std::string> signals;                             ///< By SignalId.
+  std::array<std::string, alarms::kAlarmKinds.size()> alarms;  ///< By AlarmKind.
+  std::vector<std::string> signals;                            ///< By SignalId.
 };
 
 /// What a message is about, by its topic. Nothing in it is checked to exist.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "bridges/mqtt/json_text.h"
+#include "bridges/text/json_text.h"
 
 namespace mqtt {
 namespace {
@@ -60,8 +60,8 @@ bool append_scaled(std::string& out, const config::Signal& signal, canopen::Raw 
     }
   } else if (signal.decimals == 0) {
     const double value = canopen::to_number(signal.type, raw) * signal.scale;
-    return signal.type == canopen::DataType::f32 ? append_number(out, static_cast<float>(value))
-                                                 : append_number(out, value);
+    return signal.type == canopen::DataType::f32 ? text::append_number(out, static_cast<float>(value))
+                                                 : text::append_number(out, value);
   }
   return append_fixed(out, canopen::to_number(signal.type, raw) * signal.scale, signal.decimals);
 }

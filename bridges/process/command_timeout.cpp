@@ -149,12 +149,13 @@ canopen::TimePoint CommandTimeout::next_time() const noexcept {
   return std::min(silence, attempt);
 }
 
-std::optional<ControlAlarm> CommandTimeout::alarm() const {
+std::optional<alarms::ControlAlarm> CommandTimeout::alarm() const {
   if (!acted_) {
     return std::nullopt;
   }
   const bool failed = values_ == Values::given_up || (values_ == Values::wanted && !why_.empty());
-  return ControlAlarm{.reason = failed ? ControlReason::timeout_failed : ControlReason::timeout, .text = text()};
+  return alarms::ControlAlarm{.reason = failed ? alarms::ControlReason::timeout_failed : alarms::ControlReason::timeout,
+                              .text = text()};
 }
 
 std::string CommandTimeout::text() const {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bridges/process/control_alarm.h"
+#include "bridges/alarms/control_alarm.h"
 #include "bridges/process/control_use.h"
 #include "bridges/process/writer.h"
 #include "canopen/clock.h"
@@ -55,7 +55,7 @@ class CommandTimeout {
 
   /// It has acted, and no command has ended that.
   [[nodiscard]] bool acted() const noexcept { return acted_; }
-  [[nodiscard]] std::optional<ControlAlarm> alarm() const;
+  [[nodiscard]] std::optional<alarms::ControlAlarm> alarm() const;
 
  private:
   struct Sign {

@@ -7,18 +7,6 @@
 
 namespace process {
 
-std::string_view name_of(ControlReason reason) noexcept {
-  switch (reason) {
-    case ControlReason::timeout:
-      return "timeout";
-    case ControlReason::timeout_failed:
-      return "timeout-failed";
-    case ControlReason::feedback:
-      break;
-  }
-  return "feedback";
-}
-
 void Control::on_accepted(const Writer& writer, ControlUse use, canopen::TimePoint now) {
   lease_.on_accepted(writer, use, now);
   timeout_.on_accepted(writer, use, now);
@@ -57,15 +45,15 @@ ControlState Control::state() const {
   return {.holder = lease_.holder(), .since = lease_.since(), .timeout = timeout_.acted(), .alarm = alarm()};
 }
 
-std::optional<ControlAlarm> Control::alarm() const {
+std::optional<alarms::ControlAlarm> Control::alarm() const {
   if (auto acted = timeout_.alarm()) {
     return acted;
   }
   if (!feedback_.failed()) {
     return std::nullopt;
   }
-  return ControlAlarm{
-      .reason = ControlReason::feedback,
+  return alarms::ControlAlarm{
+      .reason = alarms::ControlReason::feedback,
       .text = "running is still false " + config::to_text(feedback_time_) + " after a confirmed run command"};
 }
 

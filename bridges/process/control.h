@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "bridges/alarms/control_alarm.h"
 #include "bridges/process/command_timeout.h"
-#include "bridges/process/control_alarm.h"
 #include "bridges/process/control_use.h"
 #include "bridges/process/lease.h"
 #include "bridges/process/run_feedback.h"
@@ -26,7 +26,7 @@ struct ControlState {
   std::optional<Writer> holder;  ///< Of the lease: register 1000 bit 7.
   canopen::WallTime since{};     ///< Since when; zero where nobody holds it.
   bool timeout = false;          ///< The command timeout has acted: register 1000 bit 6.
-  std::optional<ControlAlarm> alarm;
+  std::optional<alarms::ControlAlarm> alarm;
   friend bool operator==(const ControlState&, const ControlState&) = default;
 };
 
@@ -73,7 +73,7 @@ class Control {
   [[nodiscard]] ControlState state() const;
 
  private:
-  [[nodiscard]] std::optional<ControlAlarm> alarm() const;
+  [[nodiscard]] std::optional<alarms::ControlAlarm> alarm() const;
 
   Lease lease_;
   CommandTimeout timeout_;

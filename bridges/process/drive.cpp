@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "bridges/process/fault_naming.h"
+#include "bridges/alarms/fault_naming.h"
 
 namespace process {
 
@@ -16,7 +16,8 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
       node_(executor, bus, model.node, *this),
       inputs_(
           model, image_, [this](std::uint16_t tpdo) { return node_.tpdo_verified(tpdo); }, *this),
-      alarms_(model, [this](AlarmKind kind) { tell([&](Observer& observer) { observer.on_alarm(*this, kind); }); }),
+      alarms_(model,
+              [this](alarms::AlarmKind kind) { tell([&](Observer& observer) { observer.on_alarm(*this, kind); }); }),
       commands_(executor, model, node_, image_, *this),
       reader_(executor, model, node_, inputs_, alarms_),
       expiry_(executor,
@@ -117,7 +118,7 @@ void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::W
       commands_.on_fault_end();
     }
     had_fault_emcy_ = false;
-  } else if (name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
+  } else if (alarms::name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
     had_fault_emcy_ = true;
     commands_.on_fault_begin("an emergency came");
   } else {

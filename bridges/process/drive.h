@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "bridges/process/alarm.h"
-#include "bridges/process/alarms.h"
+#include "bridges/alarms/alarm.h"
+#include "bridges/alarms/drive_alarms.h"
 #include "bridges/process/command.h"
 #include "bridges/process/commands.h"
 #include "bridges/process/image.h"
@@ -54,7 +54,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   [[nodiscard]] std::size_t index() const noexcept { return index_; }  ///< Position in config::Model::drives.
   [[nodiscard]] const Image& image() const noexcept { return image_; }
   [[nodiscard]] const canopen::NodeStatus& status() const noexcept { return node_.status(); }
-  [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept { return alarms_.alarm(kind); }
+  [[nodiscard]] const alarms::Alarm& alarm(alarms::AlarmKind kind) const noexcept { return alarms_.alarm(kind); }
   /// Any alarm of a fault's severity is active / of a warning's.
   [[nodiscard]] bool has_fault_alarm() const noexcept { return alarms_.any(config::Severity::fault); }
   [[nodiscard]] bool has_warning_alarm() const noexcept { return alarms_.any(config::Severity::warning); }
@@ -96,7 +96,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
   /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
   /// Nothing for a drive that is out of service.
-  void restore_emcy(const Alarm& alarm) {
+  void restore_emcy(const alarms::Alarm& alarm) {
     if (model_.enabled) {
       alarms_.restore_emcy(alarm);
     }
@@ -154,7 +154,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   Image image_;
   canopen::RemoteNode node_;
   Inputs inputs_;
-  Alarms alarms_;
+  alarms::DriveAlarms alarms_;
   Commands commands_;
   Reader reader_;
   canopen::WakeUp expiry_;

@@ -2,7 +2,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "bridges/process/emergencies.h"
+#include "bridges/alarms/emergencies.h"
 #include "config/model.h"
 
 namespace canopen {
@@ -12,7 +12,7 @@ class RemoteNode;
 namespace process {
 
 struct ErrorCheck {
-  ErrorReadings readings;
+  alarms::ErrorReadings readings;
   bool again = false;  ///< 0x1001 exists as far as anybody knows, but did not answer.
 };
 

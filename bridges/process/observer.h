@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "bridges/process/alarm.h"
+#include "bridges/alarms/alarm.h"
 #include "bridges/process/image.h"
 
 namespace process {
@@ -29,9 +29,11 @@ class Observer {
   virtual void on_command_done(const Drive& /*drive*/, const CommandRecord& /*record*/, const Outcome& /*outcome*/) {}
   /// Online, NMT state, boot result or counters changed.
   virtual void on_status(const Drive& drive) = 0;
-  virtual void on_alarm(const Drive& drive, AlarmKind kind) = 0;
-  /// State or alarm of a bus changed (position in config::Model::buses).
+  virtual void on_alarm(const Drive& drive, alarms::AlarmKind kind) = 0;
+  /// State of a bus changed (position in config::Model::buses), or its error counters.
   virtual void on_bus(std::size_t bus) = 0;
+  /// Its alarm looks different.
+  virtual void on_bus_alarm(std::size_t /*bus*/) {}
   /// Something about a drive that a person should know and nothing acts upon: for the log.
   virtual void on_remark(const Drive& /*drive*/, const std::string& /*text*/) {}
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "bridges/process/alarm_record.h"
+#include "bridges/alarms/alarm_record.h"
 #include "bridges/process/observer.h"
 
 namespace process {
@@ -13,13 +13,13 @@ class Plant::Body {
   struct Line {
     BusPort port;
     canopen::BusState state;
-    AlarmRecord alarm;
+    alarms::AlarmRecord alarm;
   };
 
   Body(const boost::asio::any_io_executor& executor, const config::Model& plant_model, std::vector<BusPort> buses)
       : model(plant_model) {
     for (std::size_t i = 0; i < buses.size(); ++i) {
-      lines.push_back({std::move(buses[i]), {}, AlarmRecord("bus-" + model.buses[i].name)});
+      lines.push_back({std::move(buses[i]), {}, alarms::AlarmRecord("bus-" + model.buses[i].name)});
     }
     for (std::size_t i = 0; i < model.drives.size(); ++i) {
       const config::Drive& drive = model.drives[i];
@@ -100,10 +100,13 @@ void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   Body::Line& line = body_->lines[bus];
   line.state = state;
   const bool active = state.condition != canopen::BusCondition::error_active;
-  line.alarm.show(active, std::string(canopen::describe(state.condition)),
+  const bool changed = line.alarm.show(active, std::string(canopen::describe(state.condition)),
                   state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);
+    if (changed) {
+      observer->on_bus_alarm(bus);
+    }
   }
 }
 
@@ -116,7 +119,7 @@ canopen::BusStatistics Plant::bus_statistics(std::size_t bus) const {
   return port.statistics ? port.statistics() : canopen::BusStatistics{};
 }
 
-const Alarm& Plant::bus_alarm(std::size_t bus) const noexcept {
+const alarms::Alarm& Plant::bus_alarm(std::size_t bus) const noexcept {
   return body_->lines[bus].alarm.alarm();
 }
 

@@ -49,7 +49,7 @@ class Plant {
   void set_bus_state(std::size_t bus, const canopen::BusState& state);
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
   [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;
-  [[nodiscard]] const Alarm& bus_alarm(std::size_t bus) const noexcept;
+  [[nodiscard]] const alarms::Alarm& bus_alarm(std::size_t bus) const noexcept;
 
  private:
   class Body;

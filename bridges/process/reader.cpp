@@ -19,7 +19,7 @@ constexpr canopen::Duration kCheckPause = std::chrono::seconds(1);
 }  // namespace
 
 Reader::Reader(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node,
-               Inputs& inputs, Alarms& alarms)
+               Inputs& inputs, alarms::DriveAlarms& alarms)
     : executor_(std::move(executor)),
       model_(model),
       node_(node),

@@ -3,7 +3,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 
-#include "bridges/process/alarms.h"
+#include "bridges/alarms/drive_alarms.h"
 #include "bridges/process/inputs.h"
 #include "canopen/clock.h"
 #include "canopen/event.h"
@@ -21,7 +21,7 @@ class Reader {
  public:
   /// All arguments outlive it.
   Reader(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node, Inputs& inputs,
-         Alarms& alarms);
+         alarms::DriveAlarms& alarms);
 
   void start();
   /// To be called when the node was stopped, so that nothing is under way for long.
@@ -43,7 +43,7 @@ class Reader {
   const config::Drive& model_;
   canopen::RemoteNode& node_;
   Inputs& inputs_;
-  Alarms& alarms_;
+  alarms::DriveAlarms& alarms_;
   canopen::Event changed_;
   canopen::TimePoint check_at_ = canopen::TimePoint::max();
   canopen::TimePoint not_before_ = canopen::TimePoint::min();  ///< Of the next check for errors.

@@ -3,13 +3,13 @@
 #include <utility>
 
 #include "bridges/mqtt/answers.h"
-#include "bridges/mqtt/json_text.h"
+#include "bridges/text/json_text.h"
 
 namespace gateway::control {
 namespace {
 
-mqtt::ObjectText begin_answer(std::string& out, std::string_view id) {
-  mqtt::ObjectText object(out);
+text::ObjectText begin_answer(std::string& out, std::string_view id) {
+  text::ObjectText object(out);
   object.key("id") += id;
   object.boolean("ok", true);
   return object;
@@ -19,9 +19,9 @@ mqtt::ObjectText begin_answer(std::string& out, std::string_view id) {
 std::string with_command(std::string answer, const std::string& command) {
   if (!command.empty()) {
     answer.back() = ',';
-    mqtt::append_quoted(answer, "command");
+    text::append_quoted(answer, "command");
     answer += ':';
-    mqtt::append_quoted(answer, command);
+    text::append_quoted(answer, command);
     answer += '}';
   }
   return answer;
@@ -38,7 +38,7 @@ std::string told_outcome(std::string_view id, const process::Outcome& outcome) {
     return with_command(refusal(id, outcome.error()), outcome.id);
   }
   std::string out;
-  mqtt::ObjectText object = begin_answer(out, id);
+  text::ObjectText object = begin_answer(out, id);
   if (outcome.unchanged) {
     object.boolean("unchanged", true);
   }
@@ -61,7 +61,7 @@ std::string stop_answer(std::string_view id, const process::Plant& plant, std::s
   }
   if (not_stopped.empty()) {
     std::string out;
-    mqtt::ObjectText object = begin_answer(out, id);
+    text::ObjectText object = begin_answer(out, id);
     object.integer("stopped", static_cast<std::int64_t>(asked));
     object.close();
     return out;
@@ -76,7 +76,7 @@ std::string stop_answer(std::string_view id, const process::Plant& plant, std::s
 
 std::string told_status(std::string_view id, std::string_view status) {
   std::string out;
-  mqtt::ObjectText object = begin_answer(out, id);
+  text::ObjectText object = begin_answer(out, id);
   object.key("status") += status;
   object.close();
   return out;

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "bridges/mqtt/json_text.h"
+#include "bridges/text/json_text.h"
 #include "daemon/control/exchange.h"
 #include "daemon/control/order_text.h"
 #include "daemon/control/status_table.h"
@@ -146,7 +146,7 @@ int command(const Reach& reach, const std::string& request) {
 std::string request_of(std::string_view op, const std::string& drive,
                        const std::vector<std::pair<std::string_view, std::string>>& members) {
   std::string out;
-  mqtt::ObjectText object(out);
+  text::ObjectText object(out);
   object.integer("id", 1);  // the only one of its connection
   object.text("op", op);
   if (!drive.empty()) {
@@ -161,7 +161,7 @@ std::string request_of(std::string_view op, const std::string& drive,
 
 std::string as_json(std::string_view text) {
   std::string out;
-  mqtt::append_quoted(out, text);
+  text::append_quoted(out, text);
   return out;
 }
 

@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cstdint>
 
-#include "bridges/mqtt/json_text.h"
 #include "bridges/mqtt/number_text.h"
+#include "bridges/text/json_text.h"
 
 namespace gateway::control {
 namespace {
@@ -23,7 +23,7 @@ bool is_json_number(std::string_view word) {
 
 std::string quoted(std::string_view text) {
   std::string out;
-  mqtt::append_quoted(out, text);
+  text::append_quoted(out, text);
   return out;
 }
 
@@ -36,7 +36,7 @@ std::string json_of(std::string_view word) {
   // Numbers that JSON writes in another way: 050, .5
   if (const canopen::Result<double> number = mqtt::number_of(word)) {
     std::string out;
-    mqtt::append_number(out, number.value());
+    text::append_number(out, number.value());
     return out;
   }
   return quoted(word);
@@ -54,7 +54,7 @@ std::string json_of_raw(std::string_view word) {
 
 std::optional<std::string> values_of(const std::vector<std::string>& assignments) {
   std::string out;
-  mqtt::ObjectText object(out);
+  text::ObjectText object(out);
   for (const std::string& assignment : assignments) {
     const std::size_t sign = assignment.find('=');
     if (sign == std::string::npos || sign == 0) {

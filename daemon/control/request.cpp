@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "bridges/mqtt/json_text.h"
+#include "bridges/text/json_text.h"
 
 namespace gateway::control {
 namespace {
@@ -53,7 +53,7 @@ std::optional<std::string> id_of(const Scalar& id) {
     return std::nullopt;
   }
   std::string quoted;
-  mqtt::append_quoted(quoted, id.text);
+  text::append_quoted(quoted, id.text);
   return quoted;
 }
 

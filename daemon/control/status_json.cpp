@@ -6,14 +6,14 @@
 #include <optional>
 #include <string_view>
 
-#include "bridges/mqtt/json_text.h"
 #include "bridges/mqtt/value_text.h"
-#include "bridges/process/timestamp.h"
+#include "bridges/text/json_text.h"
+#include "bridges/text/timestamp.h"
 
 namespace gateway::control {
 namespace {
 
-using mqtt::ObjectText;
+using text::ObjectText;
 
 std::string_view state_of(canopen::BusCondition condition) noexcept {
   switch (condition) {
@@ -89,7 +89,7 @@ void append_control(std::string& out, const process::ControlState& control) {
   ObjectText object(out);
   if (control.holder) {
     object.text("holder", to_string(*control.holder));
-    object.text("since", process::timestamp(control.since));
+    object.text("since", text::timestamp(control.since));
   } else {
     object.null("holder");
     object.null("since");
@@ -98,13 +98,13 @@ void append_control(std::string& out, const process::ControlState& control) {
   object.close();
 }
 
-void append_alarm(std::string& out, std::string_view kind, const process::Alarm& alarm) {
+void append_alarm(std::string& out, std::string_view kind, const alarms::Alarm& alarm) {
   ObjectText object(out);
   object.text("kind", kind);
   object.text("code", fmt::format("0x{:04X}", alarm.code));
   object.text("text", alarm.text);
   object.text("severity", alarm.severity == config::Severity::fault ? "fault" : "warning");
-  object.text("since", process::timestamp(alarm.since));
+  object.text("since", text::timestamp(alarm.since));
   object.boolean("confirmed", alarm.confirmed);
   object.close();
 }
@@ -112,10 +112,10 @@ void append_alarm(std::string& out, std::string_view kind, const process::Alarm&
 void append_alarms(std::string& out, const process::Drive& drive) {
   out += '[';
   bool first = true;
-  for (const process::AlarmKind kind : process::kAlarmKinds) {
-    if (const process::Alarm& alarm = drive.alarm(kind); alarm.active) {
-      mqtt::append_separator(out, first);
-      append_alarm(out, process::name_of(kind), alarm);
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.active) {
+      text::append_separator(out, first);
+      append_alarm(out, alarms::name_of(kind), alarm);
     }
   }
   out += ']';
@@ -167,21 +167,21 @@ void append_drive(std::string& out, const process::Plant& plant, std::size_t ind
 std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
   std::string out;
   ObjectText object(out);
-  object.text("ts", process::timestamp(canopen::wall_now()));
+  object.text("ts", text::timestamp(canopen::wall_now()));
   object.text("gateway", plant.model().gateway.name);
   object.text("version", GATEWAY_VERSION);
   object.key("uptime") += seconds(now - started);
   std::string& buses = object.key("buses") += '[';
   bool first = true;
   for (std::size_t i = 0; i < plant.model().buses.size(); ++i) {
-    mqtt::append_separator(buses, first);
+    text::append_separator(buses, first);
     append_bus(buses, plant, i);
   }
   buses += ']';
   std::string& drives = object.key("drives") += '[';
   first = true;
   for (std::size_t i = 0; i < plant.size(); ++i) {
-    mqtt::append_separator(drives, first);
+    text::append_separator(drives, first);
     append_drive(drives, plant, i, now);
   }
   drives += ']';

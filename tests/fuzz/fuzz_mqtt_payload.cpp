@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "bridges/mqtt/alarm_json.h"
+#include "bridges/alarms/alarm_json.h"
 #include "bridges/mqtt/answers.h"
 #include "bridges/mqtt/command.h"
 #include "bridges/mqtt/topics.h"
@@ -49,10 +49,10 @@ void commands(std::string_view text) {
 }
 
 void alarms(std::string_view text) {
-  const auto alarm = mqtt::parse_alarm(text);
+  const auto alarm = alarms::parse_alarm(text);
   if (alarm) {
-    const auto again = mqtt::parse_alarm(mqtt::alarm_json(*alarm));
-    require(again.has_value() && mqtt::alarm_json(*again) == mqtt::alarm_json(*alarm));
+    const auto again = alarms::parse_alarm(alarms::alarm_json(*alarm));
+    require(again.has_value() && alarms::alarm_json(*again) == alarms::alarm_json(*alarm));
   }
 }
 

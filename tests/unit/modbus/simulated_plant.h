@@ -35,7 +35,7 @@ class CommandAnswers final : public process::Observer {
   void on_command_done(const process::Drive& drive, const process::CommandRecord&,
                        const process::Outcome& outcome) override;
   void on_status(const process::Drive&) override {}
-  void on_alarm(const process::Drive&, process::AlarmKind) override {}
+  void on_alarm(const process::Drive&, alarms::AlarmKind) override {}
   void on_bus(std::size_t) override {}
 
   std::map<std::string, process::Outcome> last;

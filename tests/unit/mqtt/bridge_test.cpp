@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "bridges/mqtt/alarm_json.h"
+#include "bridges/alarms/alarm_json.h"
 #include "tests/unit/mqtt/plant_site.h"
 
 namespace mqtt {
@@ -232,8 +232,8 @@ TEST(MqttBridge, ADeniedSubscriptionIsSaid) {
   EXPECT_TRUE(site.bridge().connected()) << "values go out all the same";
 }
 
-process::Alarm old_alarm() {
-  process::Alarm alarm;
+alarms::Alarm old_alarm() {
+  alarms::Alarm alarm;
   alarm.active = true;
   alarm.id = "before-1";
   alarm.code = 0x2310;
@@ -249,7 +249,7 @@ process::Alarm old_alarm() {
 void connect_with_old_alarm(PlantSite& site) {
   site.broker().events->on_connected(1);
   site.broker().events->on_subscribed(true);
-  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
 }
 
 TEST(MqttBridge, AnAlarmFromBeforeTheStartStaysUnconfirmedUntilTheDriveIsThere) {
@@ -258,7 +258,7 @@ TEST(MqttBridge, AnAlarmFromBeforeTheStartStaysUnconfirmedUntilTheDriveIsThere) 
   site.broker().events->on_subscribed(true);
   site.loop().settle();
   EXPECT_TRUE(site.broker().published.empty()) << "no alarm topic is overwritten before it was read";
-  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
+  site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
   ASSERT_TRUE(site.bridge().connected());
   const std::string alarm = site.retained("pump1/alarm/emcy");
   EXPECT_TRUE(contains(alarm, R"("active":true,"id":"before-1","code":"0x2310","text":"Overcurrent")")) << alarm;
@@ -329,8 +329,8 @@ TEST(MqttBridge, ARetainedAlarmThatIsNoneIsIgnoredAndSaid) {
 TEST(MqttBridge, AnAlarmThatIsPublishedLaterIsNotTakenForAnOldOne) {
   PlantSite site;
   site.connect();
-  site.receive({.topic = kEmcy, .payload = alarm_json(old_alarm()), .retained = true});
-  EXPECT_FALSE(site.plant().drive(0).alarm(process::AlarmKind::emcy).active);
+  site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
+  EXPECT_FALSE(site.plant().drive(0).alarm(alarms::AlarmKind::emcy).active);
 }
 
 }  // namespace

@@ -49,12 +49,12 @@ TEST_F(CommandsControlTest, HoldShowsAndSendsNothing) {
   EXPECT_FALSE(timed_out());
   run(200ms);
   EXPECT_TRUE(timed_out());
-  EXPECT_TRUE(alarm(AlarmKind::control).active);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::control).active);
   EXPECT_TRUE(rpdos().empty());
   EXPECT_TRUE(sdo_writes().empty());
   EXPECT_TRUE(write_all(1, 30.0).has_value());
   EXPECT_FALSE(timed_out());
-  EXPECT_FALSE(alarm(AlarmKind::control).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::control).active);
 }
 
 TEST_F(CommandsControlTest, CeaseEndsTheRepetitionUntilTheNextCommand) {
@@ -100,7 +100,7 @@ TEST_F(CommandsControlTest, ValuesStopTheMotorByTheRpdoThatIsComplete) {
   slave_.forget_heard();
   run(5s);
   EXPECT_TRUE(rpdos().empty()) << "once confirmed, not again";
-  EXPECT_TRUE(alarm(AlarmKind::control).active) << "until a command ends it";
+  EXPECT_TRUE(alarm(alarms::AlarmKind::control).active) << "until a command ends it";
 }
 
 TEST_F(CommandsControlTest, ValuesPassAForeignLeaseAndWhatWaits) {
@@ -126,7 +126,7 @@ TEST_F(CommandsControlTest, ValuesAreRepeatedEachSecondUntilACommandIsAccepted) 
   EXPECT_GE(attempts, 3);
   EXPECT_LE(attempts, 8) << "each is a stop, which may be sent twice";
   ASSERT_TRUE(drive_->control().alarm);
-  EXPECT_EQ(drive_->control().alarm->reason, ControlReason::timeout_failed);
+  EXPECT_EQ(drive_->control().alarm->reason, alarms::ControlReason::timeout_failed);
   const auto stopped = write({field("control_command", Raw{5})});
   run(900ms);
   ASSERT_TRUE(stopped.done());
@@ -149,7 +149,7 @@ TEST_F(CommandsControlTest, ADriveThatWasLostAndComesBackGetsNoValues) {
   ASSERT_TRUE(drive_->status().online);
   EXPECT_TRUE(rpdos().empty());
   EXPECT_EQ(control_writes(), 0);
-  EXPECT_TRUE(alarm(AlarmKind::control).active) << "the alarm stays";
+  EXPECT_TRUE(alarm(alarms::AlarmKind::control).active) << "the alarm stays";
   EXPECT_TRUE(timed_out());
 }
 
@@ -194,11 +194,11 @@ TEST_F(CommandsControlTest, AMotorThatDoesNotFollowIsAnAlarm) {
   bring_online();
   ASSERT_TRUE(write_all(1, 30.0).has_value());
   run(900ms);
-  EXPECT_FALSE(alarm(AlarmKind::control).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::control).active);
   run(200ms);
-  EXPECT_TRUE(alarm(AlarmKind::control).active);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::control).active);
   show(test::kRunningBit);
-  EXPECT_FALSE(alarm(AlarmKind::control).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::control).active);
 }
 
 }  // namespace

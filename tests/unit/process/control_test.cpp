@@ -99,7 +99,7 @@ TEST_F(ControlTest, LostDriveThatComesBackGetsNoValues) {
   control.on_running(true, start_ + 10s);
   EXPECT_EQ(run_to(control, 1h), CommandTimeout::Action::none);
   ASSERT_TRUE(control.state().alarm);
-  EXPECT_EQ(control.state().alarm->reason, ControlReason::timeout_failed);
+  EXPECT_EQ(control.state().alarm->reason, alarms::ControlReason::timeout_failed);
   give(control, test::kPlc, ControlUse::run, 2h);
   EXPECT_EQ(control.state(), ControlState{});
 }
@@ -111,8 +111,9 @@ TEST_F(ControlTest, FeedbackIsAnAlarmUntilTheMotorRuns) {
   run_to(control, 2999ms);
   EXPECT_FALSE(control.state().alarm);
   run_to(control, 3s);
-  EXPECT_EQ(control.state().alarm, (ControlAlarm{.reason = ControlReason::feedback,
-                                                 .text = "running is still false 3s after a confirmed run command"}));
+  EXPECT_EQ(control.state().alarm,
+            (alarms::ControlAlarm{.reason = alarms::ControlReason::feedback,
+                                  .text = "running is still false 3s after a confirmed run command"}));
   EXPECT_FALSE(control.state().timeout);
   control.on_running(true, start_ + 4s);
   EXPECT_FALSE(control.state().alarm);
@@ -124,10 +125,10 @@ TEST_F(ControlTest, TimeoutGoesBeforeFeedback) {
   give(control, test::kPlc, ControlUse::run, 0s);
   run_to(control, 5s);
   ASSERT_TRUE(control.state().alarm);
-  EXPECT_EQ(control.state().alarm->reason, ControlReason::timeout);
+  EXPECT_EQ(control.state().alarm->reason, alarms::ControlReason::timeout);
   control.on_accepted(test::kPanel, ControlUse::run, start_ + 6s);
   ASSERT_TRUE(control.state().alarm);
-  EXPECT_EQ(control.state().alarm->reason, ControlReason::feedback);
+  EXPECT_EQ(control.state().alarm->reason, alarms::ControlReason::feedback);
   control.on_session_end();
   EXPECT_FALSE(control.state().alarm);
 }

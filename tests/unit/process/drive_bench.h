@@ -29,7 +29,7 @@ class RecordedObserver final : public Observer {
     answers.emplace_back(record, outcome);
   }
   void on_status(const Drive&) override { ++statuses; }
-  void on_alarm(const Drive&, AlarmKind kind) override { alarms.push_back(kind); }
+  void on_alarm(const Drive&, alarms::AlarmKind kind) override { alarms.push_back(kind); }
   void on_bus(std::size_t bus) override { buses.push_back(bus); }
   void on_remark(const Drive&, const std::string& text) override { remarks.push_back(text); }
 
@@ -38,7 +38,7 @@ class RecordedObserver final : public Observer {
   std::vector<std::vector<SignalId>> commanded;
   std::vector<std::pair<CommandRecord, Outcome>> answers;
   int statuses = 0;
-  std::vector<AlarmKind> alarms;
+  std::vector<alarms::AlarmKind> alarms;
   std::vector<std::size_t> buses;
   std::vector<std::string> remarks;
 
@@ -92,7 +92,7 @@ class DriveBench : public testing::Test {
   /// The data of the RPDOs heard since the last forget_heard().
   [[nodiscard]] std::vector<Bytes> rpdos() const;
   [[nodiscard]] std::vector<canopen::ObjectAddress> sdo_writes() const { return slave_.writes(); }
-  [[nodiscard]] const Alarm& alarm(AlarmKind kind) const { return drive_->alarm(kind); }
+  [[nodiscard]] const alarms::Alarm& alarm(alarms::AlarmKind kind) const { return drive_->alarm(kind); }
   [[nodiscard]] bool fresh(std::string_view name) const {
     return drive_->image().fresh(signal(name), canopen::Clock::now());
   }

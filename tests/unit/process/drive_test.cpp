@@ -17,10 +17,10 @@ using namespace std::chrono_literals;
 
 class DriveTest : public DriveBench {
  protected:
-  [[nodiscard]] bool told(AlarmKind kind) const { return std::ranges::count(observer_.alarms, kind) > 0; }
+  [[nodiscard]] bool told(alarms::AlarmKind kind) const { return std::ranges::count(observer_.alarms, kind) > 0; }
   void expect_emcy(bool active, std::uint16_t code) {
-    EXPECT_EQ(alarm(AlarmKind::emcy).active, active);
-    EXPECT_EQ(alarm(AlarmKind::emcy).code, code);
+    EXPECT_EQ(alarm(alarms::AlarmKind::emcy).active, active);
+    EXPECT_EQ(alarm(alarms::AlarmKind::emcy).code, code);
   }
   [[nodiscard]] std::ptrdiff_t reads_of(canopen::ObjectAddress object) const {
     return std::ranges::count(slave_.reads(), object);
@@ -65,7 +65,7 @@ TEST_F(DriveTest, SilentTpdosAreTakenForOverdueAndReadBySdo) {
   EXPECT_EQ(drive_->image().raw(signal("output_frequency")), 1234U);
   run(10s);
   EXPECT_TRUE(fresh("running"));
-  EXPECT_FALSE(alarm(AlarmKind::data).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::data).active);
 }
 
 TEST_F(DriveTest, OverdueTpdoThatCannotBeReadIsADataAlarm) {
@@ -74,14 +74,15 @@ TEST_F(DriveTest, OverdueTpdoThatCannotBeReadIsADataAlarm) {
   fault_code_readable_ = false;
   silent_ = true;
   run(2s);
-  EXPECT_TRUE(alarm(AlarmKind::data).active);
-  EXPECT_EQ(alarm(AlarmKind::data).text.rfind("TPDO2 is overdue", 0), 0U) << alarm(AlarmKind::data).text;
-  EXPECT_TRUE(told(AlarmKind::data));
+  EXPECT_TRUE(alarm(alarms::AlarmKind::data).active);
+  EXPECT_EQ(alarm(alarms::AlarmKind::data).text.rfind("TPDO2 is overdue", 0), 0U)
+      << alarm(alarms::AlarmKind::data).text;
+  EXPECT_TRUE(told(alarms::AlarmKind::data));
   EXPECT_TRUE(drive_->has_warning_alarm());
   EXPECT_FALSE(drive_->has_fault_alarm());
   silent_ = false;
   run(300ms);
-  EXPECT_FALSE(alarm(AlarmKind::data).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::data).active);
 }
 
 TEST_F(DriveTest, TpdoOfAnotherLengthIsNotDecoded) {
@@ -90,11 +91,11 @@ TEST_F(DriveTest, TpdoOfAnotherLengthIsNotDecoded) {
   slave_.send(0x185, {1, 0, 0, 0});
   run(1ms);
   EXPECT_EQ(drive_->image().raw(signal("running")), 0U);
-  EXPECT_TRUE(alarm(AlarmKind::data).active);
-  EXPECT_EQ(alarm(AlarmKind::data).text, "TPDO1 has 4 bytes, expected 6, and is not decoded");
+  EXPECT_TRUE(alarm(alarms::AlarmKind::data).active);
+  EXPECT_EQ(alarm(alarms::AlarmKind::data).text, "TPDO1 has 4 bytes, expected 6, and is not decoded");
   silent_ = false;
   run(200ms);
-  EXPECT_FALSE(alarm(AlarmKind::data).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::data).active);
 }
 
 TEST_F(DriveTest, LossMakesValuesStaleAndRaisesHeartbeat) {
@@ -104,22 +105,22 @@ TEST_F(DriveTest, LossMakesValuesStaleAndRaisesHeartbeat) {
   run(2s);
   EXPECT_FALSE(drive_->status().online);
   EXPECT_FALSE(fresh("running"));
-  EXPECT_TRUE(alarm(AlarmKind::heartbeat).active);
-  EXPECT_FALSE(alarm(AlarmKind::data).active) << "the drive does not live";
+  EXPECT_TRUE(alarm(alarms::AlarmKind::heartbeat).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::data).active) << "the drive does not live";
   EXPECT_TRUE(drive_->has_fault_alarm());
   slave_.unplug(false);
   run(5s);
   EXPECT_TRUE(drive_->status().online);
   EXPECT_TRUE(fresh("running"));
-  EXPECT_FALSE(alarm(AlarmKind::heartbeat).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::heartbeat).active);
 }
 
 TEST_F(DriveTest, DriveThatNeverAppearsIsAHeartbeatAlarm) {
   slave_.unplug(true);
   start();
   run(3s);
-  EXPECT_TRUE(alarm(AlarmKind::heartbeat).active);
-  EXPECT_EQ(alarm(AlarmKind::heartbeat).text, "the drive has not appeared on the bus");
+  EXPECT_TRUE(alarm(alarms::AlarmKind::heartbeat).active);
+  EXPECT_EQ(alarm(alarms::AlarmKind::heartbeat).text, "the drive has not appeared on the bus");
 }
 
 TEST_F(DriveTest, Ac300OvercurrentIsAnAlarmAndTheStatusBitEndsIt) {
@@ -127,7 +128,7 @@ TEST_F(DriveTest, Ac300OvercurrentIsAnAlarmAndTheStatusBitEndsIt) {
   show(test::kRunningBit);
   emcy(0x0004, 0x01);
   expect_emcy(true, 0x0004);
-  EXPECT_EQ(alarm(AlarmKind::emcy).text, "Overcurrent during acceleration");
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).text, "Overcurrent during acceleration");
   EXPECT_TRUE(drive_->has_fault_alarm());
   show(test::kFaultBit);
   run(1s);
@@ -135,7 +136,7 @@ TEST_F(DriveTest, Ac300OvercurrentIsAnAlarmAndTheStatusBitEndsIt) {
   // The manual describes no recovery frame: the bit alone has to do.
   show(0);
   expect_emcy(false, 0x0004);
-  EXPECT_EQ(alarm(AlarmKind::emcy).count, 1U);
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).count, 1U);
 }
 
 TEST_F(DriveTest, FaultBitWithoutEmergencyTakesTheFaultCode) {
@@ -143,7 +144,7 @@ TEST_F(DriveTest, FaultBitWithoutEmergencyTakesTheFaultCode) {
   fault_code_ = 5;
   show(test::kFaultBit);
   expect_emcy(true, 5);
-  EXPECT_EQ(alarm(AlarmKind::emcy).text, "Overcurrent during deceleration");
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).text, "Overcurrent during deceleration");
 }
 
 TEST_F(DriveTest, ErrorOfAnArrivingDriveIsFoundByItsRegister) {
@@ -153,8 +154,8 @@ TEST_F(DriveTest, ErrorOfAnArrivingDriveIsFoundByItsRegister) {
   slave_.set({0x1003, 1}, DataType::u32, 0xABCD0004);
   bring_online();
   expect_emcy(true, 4);
-  EXPECT_TRUE(alarm(AlarmKind::emcy).confirmed);
-  EXPECT_EQ(alarm(AlarmKind::emcy).error_register, 0x01);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::emcy).confirmed);
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).error_register, 0x01);
 }
 
 TEST_F(DriveTest, FaultBitOfAnArrivingDriveIsNamedByItsHistory) {
@@ -163,21 +164,21 @@ TEST_F(DriveTest, FaultBitOfAnArrivingDriveIsNamedByItsHistory) {
   status_word_ = test::kFaultBit;
   bring_online();
   expect_emcy(true, 4);
-  EXPECT_EQ(alarm(AlarmKind::emcy).errors.size(), 1U);
-  EXPECT_EQ(alarm(AlarmKind::emcy).severity, config::Severity::fault);
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).errors.size(), 1U);
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).severity, config::Severity::fault);
 }
 
 TEST_F(DriveTest, BitsThatStayClearOverruleTheErrorRegister) {
   slave_.set({0x1001, 0}, DataType::u8, 0x80);
   bring_online();
-  EXPECT_FALSE(alarm(AlarmKind::emcy).active);
-  EXPECT_EQ(alarm(AlarmKind::emcy).error_register, 0x80);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).active);
+  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).error_register, 0x80);
 }
 
 TEST_F(DriveTest, RestoredAlarmEndsWhereTheDriveTellsNone) {
   slave_.unplug(true);
   start();
-  Alarm before;
+  alarms::Alarm before;
   before.active = true;
   before.id = "old";
   before.code = 4;
@@ -185,14 +186,14 @@ TEST_F(DriveTest, RestoredAlarmEndsWhereTheDriveTellsNone) {
   before.errors = {{4, {4}, "Overcurrent during acceleration", config::Severity::fault, {}}};
   drive_->restore_emcy(before);
   run(1s);
-  EXPECT_TRUE(alarm(AlarmKind::emcy).active);
-  EXPECT_FALSE(alarm(AlarmKind::emcy).confirmed);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::emcy).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).confirmed);
   slave_.unplug(false);
   slave_.boot_up();
   run(3s);
   ASSERT_TRUE(drive_->status().online);
-  EXPECT_FALSE(alarm(AlarmKind::emcy).active);
-  EXPECT_TRUE(alarm(AlarmKind::emcy).confirmed);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).active);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::emcy).confirmed);
 }
 
 TEST_F(DriveTest, RestoredAlarmStaysUnconfirmedWhereNothingDecides) {
@@ -200,7 +201,7 @@ TEST_F(DriveTest, RestoredAlarmStaysUnconfirmedWhereNothingDecides) {
   model_.faults.fault.reset();
   model_.faults.warning.reset();
   start();
-  Alarm before;
+  alarms::Alarm before;
   before.active = true;
   before.id = "old";
   before.errors = {{4, {4}, "Overcurrent during acceleration", config::Severity::fault, {}}};
@@ -208,10 +209,10 @@ TEST_F(DriveTest, RestoredAlarmStaysUnconfirmedWhereNothingDecides) {
   slave_.boot_up();
   run(10s);
   ASSERT_TRUE(drive_->status().online);
-  EXPECT_TRUE(alarm(AlarmKind::emcy).active);
-  EXPECT_FALSE(alarm(AlarmKind::emcy).confirmed);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::emcy).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).confirmed);
   emcy(0, 0);
-  EXPECT_FALSE(alarm(AlarmKind::emcy).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).active);
 }
 
 TEST_F(DriveTest, EmergencyDuringTheCheckIsNotClearedByAnOlderAnswer) {
@@ -238,7 +239,7 @@ TEST_F(DriveTest, OfflineAlarmStaysUnconfirmed) {
   slave_.unplug(true);
   run(2s);
   expect_emcy(true, 4);
-  EXPECT_FALSE(alarm(AlarmKind::emcy).confirmed);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).confirmed);
 }
 
 TEST_F(DriveTest, OnChangeStatusIsReadUntilTheEmergencyIsDecided) {
@@ -264,8 +265,8 @@ TEST_F(DriveTest, BootErrorIsABootAlarm) {
   start();
   slave_.boot_up();
   run(1s);
-  EXPECT_TRUE(alarm(AlarmKind::boot).active);
-  EXPECT_EQ(alarm(AlarmKind::boot).text.substr(0, 2), "C:");
+  EXPECT_TRUE(alarm(alarms::AlarmKind::boot).active);
+  EXPECT_EQ(alarm(alarms::AlarmKind::boot).text.substr(0, 2), "C:");
   EXPECT_FALSE(drive_->status().online);
 }
 
@@ -278,17 +279,17 @@ TEST_F(DriveTest, AnErrorThatKeepsItFromStartingIsTold) {
   slave_.boot_up();
   run(2500ms);
   EXPECT_FALSE(drive_->status().online);
-  EXPECT_TRUE(drive_->alarm(AlarmKind::boot).active);
-  EXPECT_NE(drive_->alarm(AlarmKind::boot).text.find("its error register 0x1001 is 0x01"), std::string::npos)
-      << drive_->alarm(AlarmKind::boot).text;
-  EXPECT_TRUE(drive_->alarm(AlarmKind::emcy).active);
+  EXPECT_TRUE(drive_->alarm(alarms::AlarmKind::boot).active);
+  EXPECT_NE(drive_->alarm(alarms::AlarmKind::boot).text.find("its error register 0x1001 is 0x01"), std::string::npos)
+      << drive_->alarm(alarms::AlarmKind::boot).text;
+  EXPECT_TRUE(drive_->alarm(alarms::AlarmKind::emcy).active);
 }
 
 TEST_F(DriveTest, LeavingOperationalByItselfIsABootAlarm) {
   bring_online();
   slave_.set_state(127);
   run(600ms);
-  EXPECT_TRUE(alarm(AlarmKind::boot).active);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::boot).active);
   EXPECT_FALSE(fresh("running"));
 }
 

@@ -79,12 +79,12 @@ TEST_F(OutOfServiceTest, WhoMayNotWriteIsToldThatFirst) {
 
 TEST_F(OutOfServiceTest, AnAlarmOfBeforeIsNotBroughtBack) {
   start();
-  Alarm before;
+  alarms::Alarm before;
   before.active = true;
   before.id = "1-pump1-emcy";
   before.errors = {{.code = 4, .text = "Overcurrent"}};
   drive_->restore_emcy(before);
-  EXPECT_FALSE(alarm(AlarmKind::emcy).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).active);
   expect_untouched();
 }
 

@@ -59,7 +59,7 @@ TEST_F(PlantTest, CountsDrivesOnlineAndWithAlarm) {
   slave_.boot_up();
   loop_.advance(2500ms);
   EXPECT_EQ(plant_->online(), 1U);
-  EXPECT_TRUE(plant_->drive(1).alarm(AlarmKind::heartbeat).active);
+  EXPECT_TRUE(plant_->drive(1).alarm(alarms::AlarmKind::heartbeat).active);
   EXPECT_GE(plant_->with_alarm(), 1U);
   EXPECT_GT(observer_.statuses, 0);
 }

@@ -86,7 +86,7 @@ class ProfileTest : public testing::TestWithParam<Kind> {
   [[nodiscard]] bool until(bool active) {
     return loop_.advance_until([&] { return emcy().active == active; }, 10s);
   }
-  [[nodiscard]] const Alarm& emcy() const { return drive_->alarm(AlarmKind::emcy); }
+  [[nodiscard]] const alarms::Alarm& emcy() const { return drive_->alarm(alarms::AlarmKind::emcy); }
   [[nodiscard]] bool all_tpdo_values_fresh() const {
     const auto sources = drive_->image().sources();
     return std::ranges::all_of(sources, [](const SourceState& source) {
@@ -107,7 +107,7 @@ class ProfileTest : public testing::TestWithParam<Kind> {
 TEST_P(ProfileTest, ComesOnlineWithFreshValuesAndNoAlarm) {
   bring_online();
   EXPECT_TRUE(all_tpdo_values_fresh());
-  for (const AlarmKind kind : kAlarmKinds) {
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
     EXPECT_FALSE(drive_->alarm(kind).active) << name_of(kind) << ": " << drive_->alarm(kind).text;
   }
   EXPECT_TRUE(emcy().confirmed);
@@ -154,13 +154,13 @@ TEST_P(ProfileTest, PowerCycleIsALossAndAReturn) {
   simulated_->power_off();
   loop_.advance(3s);
   EXPECT_FALSE(drive_->status().online);
-  EXPECT_TRUE(drive_->alarm(AlarmKind::heartbeat).active);
+  EXPECT_TRUE(drive_->alarm(alarms::AlarmKind::heartbeat).active);
   EXPECT_FALSE(all_tpdo_values_fresh());
   simulated_->power_on();
   ASSERT_TRUE(loop_.advance_until([&] { return drive_->status().online; }, 10s));
   loop_.advance(2s);
   EXPECT_TRUE(all_tpdo_values_fresh());
-  EXPECT_FALSE(drive_->alarm(AlarmKind::heartbeat).active);
+  EXPECT_FALSE(drive_->alarm(alarms::AlarmKind::heartbeat).active);
   EXPECT_EQ(simulated_->record().rpdo_total(), 0U);
 }
 

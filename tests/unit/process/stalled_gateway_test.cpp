@@ -24,7 +24,7 @@ TEST_F(StalledGatewayTest, TakesWhatWaitsUnreadForNoSilence) {
   EXPECT_TRUE(fresh("running"));
   run(10ms);
   EXPECT_TRUE(observer_.stale.empty()) << "what waited unread was taken for silence";
-  EXPECT_FALSE(alarm(AlarmKind::data).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::data).active);
   EXPECT_TRUE(write_now({field("frequency_command", 20.0)}).has_value()) << "a standstill was made of it";
 }
 

@@ -23,7 +23,7 @@ class ControlObserver final : public Observer {
   void on_freshness(const Drive& /*drive*/, std::span<const SignalId> /*signals*/) override {}
   void on_commanded(const Drive& /*drive*/, std::span<const SignalId> /*signals*/) override {}
   void on_status(const Drive& /*drive*/) override {}
-  void on_alarm(const Drive& /*drive*/, AlarmKind /*kind*/) override {}
+  void on_alarm(const Drive& /*drive*/, alarms::AlarmKind /*kind*/) override {}
   void on_bus(std::size_t /*bus*/) override {}
   void on_control(const Drive& drive) override { told.push_back(drive.control()); }
 
@@ -76,14 +76,14 @@ class TimeoutOnBusTest : public CommandsTest {
     slave_.forget_heard();
   }
   void expect_alarm(std::string_view text) {
-    const Alarm& shown = alarm(AlarmKind::control);
+    const alarms::Alarm& shown = alarm(alarms::AlarmKind::control);
     EXPECT_TRUE(shown.active);
     ASSERT_EQ(shown.errors.size(), 1U);
     EXPECT_NE(shown.text.find(text), std::string::npos) << shown.text;
     EXPECT_TRUE(drive_->control().timeout);
   }
   void expect_no_alarm() {
-    EXPECT_FALSE(alarm(AlarmKind::control).active) << alarm(AlarmKind::control).text;
+    EXPECT_FALSE(alarm(alarms::AlarmKind::control).active) << alarm(alarms::AlarmKind::control).text;
     EXPECT_FALSE(drive_->control().timeout);
   }
 
@@ -103,7 +103,7 @@ TEST_F(TimeoutOnBusTest, HoldSendsNothingAndTells) {
   expect_no_alarm();
   run(60ms);
   expect_alarm("no sign of life of modbus 192.0.2.7");
-  EXPECT_EQ(std::count(observer_.alarms.begin(), observer_.alarms.end(), AlarmKind::control), 1);
+  EXPECT_EQ(std::count(observer_.alarms.begin(), observer_.alarms.end(), alarms::AlarmKind::control), 1);
   ASSERT_FALSE(control_.told.empty());
   EXPECT_TRUE(control_.told.back().timeout);
   run(2s);
@@ -314,14 +314,14 @@ TEST_F(TimeoutOnBusTest, AMotorThatDoesNotFollowIsAnAlarmUntilItDoes) {
   bring_online();
   ASSERT_TRUE(write_all(1, 30.0).has_value());
   run(270ms);
-  EXPECT_FALSE(alarm(AlarmKind::control).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::control).active);
   run(60ms);
-  EXPECT_TRUE(alarm(AlarmKind::control).active);
-  EXPECT_NE(alarm(AlarmKind::control).text.find("running is still false 300ms"), std::string::npos)
-      << alarm(AlarmKind::control).text;
+  EXPECT_TRUE(alarm(alarms::AlarmKind::control).active);
+  EXPECT_NE(alarm(alarms::AlarmKind::control).text.find("running is still false 300ms"), std::string::npos)
+      << alarm(alarms::AlarmKind::control).text;
   EXPECT_FALSE(drive_->control().timeout);
   show(test::kRunningBit);
-  EXPECT_FALSE(alarm(AlarmKind::control).active);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::control).active);
 }
 
 }  // namespace

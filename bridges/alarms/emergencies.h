@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "bridges/process/alarm.h"
+#include "bridges/alarms/alarm.h"
 #include "canopen/clock.h"
 #include "canopen/node/emcy.h"
 #include "config/model.h"
 
-namespace process {
+namespace alarms {
 
 /// What an arriving drive was found to hold. Nothing where an object is absent or did not answer.
 struct ErrorReadings {
@@ -107,4 +107,4 @@ class Emergencies {
   bool evidence_ = false;
 };
 
-}  // namespace process
+}  // namespace alarms

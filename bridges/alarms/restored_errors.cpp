@@ -1,13 +1,13 @@
-#include "bridges/process/restored_errors.h"
+#include "bridges/alarms/restored_errors.h"
 
 #include <algorithm>
 #include <array>
 #include <iterator>
 
-#include "bridges/process/fault_naming.h"
+#include "bridges/alarms/fault_naming.h"
 #include "canopen/node/emcy.h"
 
-namespace process {
+namespace alarms {
 
 using config::Severity;
 
@@ -51,4 +51,4 @@ std::optional<std::uint64_t> drive_code_of(const config::Drive& model, const Ala
   return emcy ? emcy->drive_code : std::nullopt;
 }
 
-}  // namespace process
+}  // namespace alarms

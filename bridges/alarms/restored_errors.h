@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "bridges/process/alarm.h"
+#include "bridges/alarms/alarm.h"
 #include "config/model.h"
 
-namespace process {
+namespace alarms {
 
 /// The errors of an emergency alarm as the broker kept it, oldest first. There all are listed with one severity, that
 /// of the newest fault, or of a warning where there is no fault: what is newer than that fault is a warning, and of
@@ -17,4 +17,4 @@ namespace process {
 /// The drive's own number of such an error, where its emergency carried one and the broker kept it.
 [[nodiscard]] std::optional<std::uint64_t> drive_code_of(const config::Drive& model, const AlarmError& error);
 
-}  // namespace process
+}  // namespace alarms

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "bridges/process/alarms.h"
+#include "bridges/alarms/drive_alarms.h"
 #include "tests/unit/process/test_drive.h"
 
-namespace process {
+namespace alarms {
 
 /// The alarms of one drive, fed by hand with emergencies, bits, readings and time.
 class AlarmsTest : public ::testing::Test {
@@ -24,7 +24,7 @@ class AlarmsTest : public ::testing::Test {
   AlarmsTest() { build(); }
 
   void build() {
-    alarms_ = std::make_unique<Alarms>(model_, [this](AlarmKind kind) { told_.push_back(kind); });
+    alarms_ = std::make_unique<DriveAlarms>(model_, [this](AlarmKind kind) { told_.push_back(kind); });
     told_.clear();
   }
 
@@ -53,8 +53,8 @@ class AlarmsTest : public ::testing::Test {
     alarms_->on_emcy(canopen::decode_emcy(model_.node.emcy, bytes).value(), now_, wall_);
   }
   void reset(std::uint8_t error_register = 0, std::uint8_t remaining = 0) { emcy(0, error_register, {remaining}); }
-  void fault(bool set) { alarms_->on_bit(Severity::fault, set, test::kPeriod, now_, wall_); }
-  void warning(bool set) { alarms_->on_bit(Severity::warning, set, test::kPeriod, now_, wall_); }
+  void fault(bool set) { alarms_->on_bit(Severity::fault, set, process::test::kPeriod, now_, wall_); }
+  void warning(bool set) { alarms_->on_bit(Severity::warning, set, process::test::kPeriod, now_, wall_); }
   void readings(const ErrorReadings& readings) { alarms_->on_readings(readings, now_, wall_); }
 
   [[nodiscard]] const Alarm& emcy_alarm() const { return alarms_->alarm(AlarmKind::emcy); }
@@ -67,12 +67,12 @@ class AlarmsTest : public ::testing::Test {
   }
   using Codes = std::vector<std::uint16_t>;
 
-  config::Drive model_ = test::drive();
+  config::Drive model_ = process::test::drive();
   canopen::NodeStatus status_;
-  std::unique_ptr<Alarms> alarms_;
+  std::unique_ptr<DriveAlarms> alarms_;
   std::vector<AlarmKind> told_;
   TimePoint now_{std::chrono::hours(1)};
   WallTime wall_{std::chrono::seconds(1000)};
 };
 
-}  // namespace process
+}  // namespace alarms

@@ -1,4 +1,4 @@
-#include "bridges/mqtt/json_text.h"
+#include "bridges/text/json_text.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "bridges/mqtt/utf8.h"
+#include "bridges/text/utf8.h"
 
-namespace mqtt {
+namespace text {
 namespace {
 
 bool stands_for_itself(char character) {
@@ -88,4 +88,4 @@ bool append_number(std::string& out, float value) {
   return append_shortest(out, value);
 }
 
-}  // namespace mqtt
+}  // namespace text

@@ -1,10 +1,10 @@
-#include "bridges/process/alarms.h"
+#include "bridges/alarms/drive_alarms.h"
 
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
-namespace process {
+namespace alarms {
 namespace {
 
 AlarmRecord record_of(const config::Drive& model, AlarmKind kind) {
@@ -30,7 +30,7 @@ std::string boot_text(const canopen::NodeStatus& status) {
 
 }  // namespace
 
-Alarms::Alarms(const config::Drive& model, Changed changed)
+DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed)
     : model_(model),
       changed_(std::move(changed)),
       emergencies_(model),
@@ -41,32 +41,32 @@ Alarms::Alarms(const config::Drive& model, Changed changed)
   record(AlarmKind::emcy).show({}, 0, false, {});
 }
 
-void Alarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
+void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
   if (emergencies_.on_emcy(emcy, at, wall)) {
     show_emcy(wall);
   }
 }
 
-void Alarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
-                    canopen::WallTime wall) {
+void DriveAlarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
+                         canopen::WallTime wall) {
   if (emergencies_.on_bit(severity, set, period, at, wall)) {
     show_emcy(wall);
   }
 }
 
-void Alarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
+void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
   if (emergencies_.on_fault_code(code)) {
     show_emcy(wall);
   }
 }
 
-void Alarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
+void DriveAlarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
   if (emergencies_.on_readings(readings, at, wall)) {
     show_emcy(wall);
   }
 }
 
-void Alarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
+void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
   was_online_ = was_online_ || status.online;
   if (emergencies_.on_online(status.online)) {
     show_emcy(wall);
@@ -76,7 +76,7 @@ void Alarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall
        config::Severity::fault, wall);
 }
 
-void Alarms::on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall) {
+void DriveAlarms::on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall) {
   std::string text;
   for (const std::string& problem : problems) {
     text += text.empty() ? problem : "; " + problem;
@@ -84,11 +84,11 @@ void Alarms::on_data_problems(const std::vector<std::string>& problems, canopen:
   show(AlarmKind::data, !problems.empty(), std::move(text), config::Severity::warning, wall);
 }
 
-void Alarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
+void DriveAlarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
   show(AlarmKind::control, alarm.has_value(), alarm ? alarm->text : std::string(), config::Severity::fault, wall);
 }
 
-void Alarms::restore_emcy(const Alarm& before) {
+void DriveAlarms::restore_emcy(const Alarm& before) {
   if (was_online_) {
     if (record(AlarmKind::emcy).continue_from(before)) {
       changed_(AlarmKind::emcy);
@@ -105,11 +105,11 @@ void Alarms::restore_emcy(const Alarm& before) {
   changed_(AlarmKind::emcy);
 }
 
-const Alarm& Alarms::alarm(AlarmKind kind) const noexcept {
+const Alarm& DriveAlarms::alarm(AlarmKind kind) const noexcept {
   return records_[static_cast<std::size_t>(kind)].alarm();
 }
 
-bool Alarms::any(config::Severity severity) const noexcept {
+bool DriveAlarms::any(config::Severity severity) const noexcept {
   return std::any_of(records_.begin(), records_.end(), [severity](const AlarmRecord& record) {
     const std::vector<AlarmError>& errors = record.alarm().errors;
     return std::any_of(errors.begin(), errors.end(),
@@ -117,17 +117,18 @@ bool Alarms::any(config::Severity severity) const noexcept {
   });
 }
 
-void Alarms::show_emcy(canopen::WallTime wall) {
+void DriveAlarms::show_emcy(canopen::WallTime wall) {
   if (record(AlarmKind::emcy)
           .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), wall)) {
     changed_(AlarmKind::emcy);
   }
 }
 
-void Alarms::show(AlarmKind kind, bool active, std::string text, config::Severity severity, canopen::WallTime wall) {
+void DriveAlarms::show(AlarmKind kind, bool active, std::string text, config::Severity severity,
+                       canopen::WallTime wall) {
   if (record(kind).show(active, std::move(text), severity, wall)) {
     changed_(kind);
   }
 }
 
-}  // namespace process
+}  // namespace alarms

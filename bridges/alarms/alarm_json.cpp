@@ -1,4 +1,4 @@
-#include "bridges/mqtt/alarm_json.h"
+#include "bridges/alarms/alarm_json.h"
 
 #include <boost/json/parse.hpp>
 #include <boost/json/value.hpp>
@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "bridges/mqtt/json_text.h"
-#include "bridges/process/timestamp.h"
+#include "bridges/text/json_text.h"
+#include "bridges/text/timestamp.h"
 
-namespace mqtt {
+namespace alarms {
 namespace {
 
 namespace json = boost::json;
@@ -39,20 +39,20 @@ std::string_view severity_text(config::Severity severity) {
 }
 
 // A time that never was is null.
-void append_time(ObjectText& object, std::string_view name, canopen::WallTime time) {
+void append_time(text::ObjectText& object, std::string_view name, canopen::WallTime time) {
   if (time == canopen::WallTime{}) {
     object.null(name);
   } else {
-    object.text(name, process::timestamp(time));
+    object.text(name, text::timestamp(time));
   }
 }
 
-void append_errors(std::string& out, const std::vector<process::AlarmError>& errors) {
+void append_errors(std::string& out, const std::vector<AlarmError>& errors) {
   out += '[';
   bool first = true;
-  for (const process::AlarmError& error : errors) {
-    append_separator(out, first);
-    ObjectText object(out);
+  for (const AlarmError& error : errors) {
+    text::append_separator(out, first);
+    text::ObjectText object(out);
     object.text("code", "0x" + hex_text(error.code, 4));
     object.text("text", error.text);
     append_time(object, "since", error.since);
@@ -98,7 +98,7 @@ bool read_time(const json::object& object, json::string_view name, canopen::Wall
     return true;
   }
   const auto text = string_of(object, name);
-  const auto time = text ? process::parse_timestamp(*text) : std::nullopt;
+  const auto time = text ? text::parse_timestamp(*text) : std::nullopt;
   out = time.value_or(canopen::WallTime{});
   return time.has_value();
 }
@@ -137,7 +137,7 @@ bool read_count(const json::object& object, std::uint32_t& out) {
   return value != nullptr && !failure;
 }
 
-bool read_errors(const json::object& object, process::Alarm& alarm) {
+bool read_errors(const json::object& object, Alarm& alarm) {
   const json::value* value = object.if_contains("errors");
   const json::array* list = value != nullptr ? value->if_array() : nullptr;
   if (list == nullptr || list->size() > kMaxErrors) {
@@ -145,7 +145,7 @@ bool read_errors(const json::object& object, process::Alarm& alarm) {
   }
   for (const json::value& item : *list) {
     const json::object* entry = item.if_object();
-    process::AlarmError error;
+    AlarmError error;
     if (entry == nullptr || !read_code(*entry, "code", error.code) || !read_text(*entry, "text", error.text) ||
         !read_time(*entry, "since", error.since)) {
       return false;
@@ -161,9 +161,9 @@ bool read_errors(const json::object& object, process::Alarm& alarm) {
 
 }  // namespace
 
-std::string alarm_json(const process::Alarm& alarm) {
+std::string alarm_json(const Alarm& alarm) {
   std::string out;
-  ObjectText object(out);
+  text::ObjectText object(out);
   object.boolean("active", alarm.active);
   object.text("id", alarm.id);
   object.text("code", "0x" + hex_text(alarm.code, 4));
@@ -183,7 +183,7 @@ std::string alarm_json(const process::Alarm& alarm) {
   return out;
 }
 
-std::optional<process::Alarm> parse_alarm(std::string_view text) {
+std::optional<Alarm> parse_alarm(std::string_view text) {
   if (text.empty() || text.size() > kMaxLength) {
     return std::nullopt;
   }
@@ -193,7 +193,7 @@ std::optional<process::Alarm> parse_alarm(std::string_view text) {
   if (object == nullptr) {
     return std::nullopt;
   }
-  process::Alarm alarm;
+  Alarm alarm;
   const bool read = read_bool(*object, "active", alarm.active) && read_text(*object, "id", alarm.id) &&
                     read_code(*object, "code", alarm.code) && read_text(*object, "text", alarm.text) &&
                     read_severity(*object, alarm.severity) && read_code(*object, "register", alarm.error_register) &&
@@ -207,4 +207,4 @@ std::optional<process::Alarm> parse_alarm(std::string_view text) {
   return alarm;
 }
 
-}  // namespace mqtt
+}  // namespace alarms

@@ -8,7 +8,7 @@
 // JSON is written as text, member by member: numbers keep the digits they have on their plain topic (a serializer would
 // write 49.97 as 4.997E1), and the state of a drive costs one string.
 
-namespace mqtt {
+namespace text {
 
 /// A quoted and escaped JSON string. Bytes that are no UTF-8 become U+FFFD.
 void append_quoted(std::string& out, std::string_view text);
@@ -39,4 +39,4 @@ void append_separator(std::string& out, bool& first);
 bool append_number(std::string& out, double value);
 bool append_number(std::string& out, float value);
 
-}  // namespace mqtt
+}  // namespace text

@@ -1,12 +1,12 @@
-#include "bridges/process/emergencies.h"
+#include "bridges/alarms/emergencies.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "bridges/process/fault_naming.h"
-#include "bridges/process/restored_errors.h"
+#include "bridges/alarms/fault_naming.h"
+#include "bridges/alarms/restored_errors.h"
 
-namespace process {
+namespace alarms {
 namespace {
 
 using canopen::Duration;
@@ -328,4 +328,4 @@ bool Emergencies::names(const Entry& entry, std::uint64_t fault_code) const noex
   return entry.drive_code == fault_code || entry.error.code == fault_code;
 }
 
-}  // namespace process
+}  // namespace alarms

@@ -1,10 +1,10 @@
-#include "bridges/process/timestamp.h"
+#include "bridges/text/timestamp.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 
-namespace process {
+namespace text {
 namespace {
 
 using namespace std::chrono;
@@ -30,4 +30,4 @@ TEST(Timestamp, ReadsNothingElse) {
 }
 
 }  // namespace
-}  // namespace process
+}  // namespace text

@@ -6,24 +6,24 @@
 #include <string>
 #include <vector>
 
-#include "bridges/process/alarm.h"
-#include "bridges/process/alarm_record.h"
-#include "bridges/process/control_alarm.h"
-#include "bridges/process/emergencies.h"
+#include "bridges/alarms/alarm.h"
+#include "bridges/alarms/alarm_record.h"
+#include "bridges/alarms/control_alarm.h"
+#include "bridges/alarms/emergencies.h"
 #include "canopen/clock.h"
 #include "canopen/node/emcy.h"
 #include "canopen/node/node_events.h"
 #include "config/model.h"
 
-namespace process {
+namespace alarms {
 
 /// All alarms of one drive. Tells `changed` of each alarm that looks different, in the same call.
-class Alarms {
+class DriveAlarms {
  public:
   using Changed = std::function<void(AlarmKind kind)>;
 
   /// `model` outlives it.
-  Alarms(const config::Drive& model, Changed changed);
+  DriveAlarms(const config::Drive& model, Changed changed);
 
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall);
   void on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
@@ -58,4 +58,4 @@ class Alarms {
   bool restored_ = false;
 };
 
-}  // namespace process
+}  // namespace alarms

@@ -1,4 +1,4 @@
-#include "bridges/process/alarm_record.h"
+#include "bridges/alarms/alarm_record.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,7 +6,7 @@
 
 #include "canopen/hex.h"
 
-namespace process {
+namespace alarms {
 namespace {
 
 // The newest of the faults, where there is one, else of all.
@@ -95,4 +95,4 @@ void AlarmRecord::restore(const Alarm& before) {
   }
 }
 
-}  // namespace process
+}  // namespace alarms

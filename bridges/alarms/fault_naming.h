@@ -5,7 +5,7 @@
 #include "canopen/node/emcy.h"
 #include "config/model.h"
 
-namespace process {
+namespace alarms {
 
 /// Text and severity of an emergency: by the drive's own code where the layout carries one, else by the EMCY code or
 /// its CiA 301 class, else the bare number. Never one for a reset.
@@ -25,4 +25,4 @@ namespace process {
                                                   const canopen::EmcySettings& settings, std::uint16_t code,
                                                   config::Severity severity);
 
-}  // namespace process
+}  // namespace alarms

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/unit/process/alarms_fixture.h"
+#include "tests/unit/alarms/alarms_fixture.h"
 
-namespace process {
+namespace alarms {
 namespace {
 
 using namespace std::chrono_literals;
@@ -126,4 +126,4 @@ TEST_F(AlarmsTest, EveryKindExists) {
 }
 
 }  // namespace
-}  // namespace process
+}  // namespace alarms

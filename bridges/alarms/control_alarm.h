@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace process {
+namespace alarms {
 
 /// Why the alarm `control` is active: the closed list of its reasons.
 enum class ControlReason : std::uint8_t {
@@ -22,4 +22,4 @@ struct ControlAlarm {
   friend bool operator==(const ControlAlarm&, const ControlAlarm&) = default;
 };
 
-}  // namespace process
+}  // namespace alarms

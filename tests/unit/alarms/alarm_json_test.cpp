@@ -1,17 +1,17 @@
-#include "bridges/mqtt/alarm_json.h"
+#include "bridges/alarms/alarm_json.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <string>
 
-namespace mqtt {
+namespace alarms {
 namespace {
 
 using namespace std::chrono;
 
-process::Alarm overcurrent() {
-  process::Alarm alarm;
+Alarm overcurrent() {
+  Alarm alarm;
   alarm.active = true;
   alarm.id = "pump1-7";
   alarm.code = 0x0005;
@@ -35,7 +35,7 @@ TEST(AlarmJson, IsThatOfTheContract) {
 }
 
 TEST(AlarmJson, OfOneThatIsOverSaysWhen) {
-  process::Alarm alarm = overcurrent();
+  Alarm alarm = overcurrent();
   alarm.active = false;
   alarm.cleared = alarm.since + 1h;
   alarm.errors.clear();
@@ -51,25 +51,25 @@ TEST(AlarmJson, OfOneThatNeverWasHasNoTimes) {
 }
 
 TEST(AlarmJson, ReadsBackWhatItWrote) {
-  const process::Alarm alarm = overcurrent();
+  const Alarm alarm = overcurrent();
   EXPECT_EQ(parse_alarm(alarm_json(alarm)), alarm);
-  process::Alarm over = alarm;
+  Alarm over = alarm;
   over.active = false;
   over.cleared = alarm.since + 1h;
   over.errors.clear();
   EXPECT_EQ(parse_alarm(alarm_json(over)), over);
-  EXPECT_EQ(parse_alarm(alarm_json({})), process::Alarm{});
+  EXPECT_EQ(parse_alarm(alarm_json({})), Alarm{});
 }
 
 TEST(AlarmJson, ReadsBackTextsOfAnyCharacters) {
-  process::Alarm alarm = overcurrent();
+  Alarm alarm = overcurrent();
   alarm.text = "\"quoted\" \\ \n \xC3\xBC";
   alarm.errors[0].text = alarm.text;
   EXPECT_EQ(parse_alarm(alarm_json(alarm)), alarm);
 }
 
 TEST(AlarmJson, ShowsBytesThatAreNoTextAsReplacement) {
-  process::Alarm alarm = overcurrent();
+  Alarm alarm = overcurrent();
   alarm.text = "a\xFFz";
   const auto read = parse_alarm(alarm_json(alarm));
   ASSERT_TRUE(read);
@@ -77,7 +77,7 @@ TEST(AlarmJson, ShowsBytesThatAreNoTextAsReplacement) {
 }
 
 TEST(AlarmJson, OtherErrorsOfTheListTakeTheSeverityOfTheAlarm) {
-  process::Alarm alarm = overcurrent();
+  Alarm alarm = overcurrent();
   alarm.errors.push_back({0x2310, {1, 2, 3, 4, 5}, "Other", config::Severity::warning, alarm.since});
   const auto read = parse_alarm(alarm_json(alarm));
   ASSERT_TRUE(read);
@@ -120,4 +120,4 @@ TEST(AlarmJson, ReadsNothingElse) {
 }
 
 }  // namespace
-}  // namespace mqtt
+}  // namespace alarms

@@ -1,9 +1,9 @@
-#include "bridges/process/timestamp.h"
+#include "bridges/text/timestamp.h"
 
 #include <charconv>
 #include <chrono>
 
-namespace process {
+namespace text {
 namespace {
 
 constexpr std::string_view kForm = "0000-00-00T00:00:00.000Z";
@@ -80,4 +80,4 @@ std::optional<canopen::WallTime> parse_timestamp(std::string_view text) {
          milliseconds(number_at(text, 20, 3));
 }
 
-}  // namespace process
+}  // namespace text

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "bridges/process/alarm.h"
+#include "bridges/alarms/alarm.h"
 
-namespace process {
+namespace alarms {
 
 /// Keeps one alarm: gives it its id, counts, and notes when it came, changed and went.
 class AlarmRecord {
@@ -31,4 +31,4 @@ class AlarmRecord {
   Alarm alarm_;
 };
 
-}  // namespace process
+}  // namespace alarms

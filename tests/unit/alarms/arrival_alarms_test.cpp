@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/unit/process/alarms_fixture.h"
+#include "tests/unit/alarms/alarms_fixture.h"
 
-namespace process {
+namespace alarms {
 namespace {
 
 using namespace std::chrono_literals;
@@ -341,4 +341,4 @@ TEST_F(AlarmsTest, BeforeTheFirstArrivalNothingIsConfirmed) {
 }
 
 }  // namespace
-}  // namespace process
+}  // namespace alarms

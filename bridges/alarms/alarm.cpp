@@ -1,6 +1,6 @@
-#include "bridges/process/alarm.h"
+#include "bridges/alarms/alarm.h"
 
-namespace process {
+namespace alarms {
 
 std::string_view name_of(AlarmKind kind) noexcept {
   switch (kind) {
@@ -18,4 +18,4 @@ std::string_view name_of(AlarmKind kind) noexcept {
   return "control";
 }
 
-}  // namespace process
+}  // namespace alarms

@@ -1,10 +1,10 @@
-#include "bridges/process/fault_naming.h"
+#include "bridges/alarms/fault_naming.h"
 
 #include <string>
 
 #include "canopen/hex.h"
 
-namespace process {
+namespace alarms {
 namespace {
 
 using canopen::EmcyLayout;
@@ -70,4 +70,4 @@ FaultText name_history_code(const config::FaultRules& rules, const canopen::Emcy
   return named;
 }
 
-}  // namespace process
+}  // namespace alarms

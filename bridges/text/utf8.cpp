@@ -1,6 +1,6 @@
-#include "bridges/mqtt/utf8.h"
+#include "bridges/text/utf8.h"
 
-namespace mqtt {
+namespace text {
 namespace {
 
 unsigned byte_at(std::string_view text, std::size_t position) {
@@ -64,4 +64,4 @@ std::string repaired_utf8(std::string_view text) {
   return repaired;
 }
 
-}  // namespace mqtt
+}  // namespace text

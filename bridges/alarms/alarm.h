@@ -9,7 +9,7 @@
 #include "canopen/clock.h"
 #include "config/model.h"
 
-namespace process {
+namespace alarms {
 
 enum class AlarmKind : std::uint8_t {
   emcy,       ///< Emergency messages, or the fault signal without one.
@@ -39,6 +39,7 @@ struct Alarm {
   std::string id;  ///< New at each change from inactive to active; empty before the first.
   /// Of the newest active error, a fault before a warning; while inactive, of the last one shown.
   std::uint16_t code = 0;
+  std::string reason;  ///< Of the kinds without a code: a word of the closed list in docs/ALARMS.md; else empty.
   std::string text;
   config::Severity severity = config::Severity::fault;
   std::uint8_t error_register = 0;
@@ -46,10 +47,13 @@ struct Alarm {
   canopen::WallTime since{};    ///< When it became active.
   canopen::WallTime ts{};       ///< Of its last change.
   canopen::WallTime cleared{};  ///< When it became inactive; zero before it ever did.
-  std::uint32_t count = 0;      ///< Activations since the gateway's start (what was read back counts on).
+  std::uint32_t count = 0;      ///< Activations.
   bool confirmed = true;        ///< False while the drive cannot tell whether it still holds.
+  /// False: neither memory nor the drive has told yet whether it is active. Nobody is shown it until then.
+  bool known = false;
+  bool first = false;  ///< A fault that no other one, of all drives and buses, came shortly before.
   std::vector<AlarmError> errors;
   friend bool operator==(const Alarm&, const Alarm&) = default;
 };
 
-}  // namespace process
+}  // namespace alarms
