@@ -178,20 +178,6 @@ awaitable<Outcome> Commands::sdo_write(Origin origin, canopen::ObjectValue value
   co_return outcome;
 }
 
-Outcome Commands::refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal) {
-  PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::raw);
-  command.record.object = value;
-  std::optional<Error> refused = refuse_asker(command);
-  if (!refused) {
-    const config::Signal& what = model_.signals[signal];
-    refused = error(ErrorKind::type, what.name + " is " + std::string(name_of(what.type)));
-  }
-  refused->object = value.object;
-  Outcome outcome = *std::move(refused);
-  finish(command, outcome);
-  return outcome;
-}
-
 awaitable<Outcome> Commands::send_raw(PendingCommand& command, canopen::ObjectValue value) {
   Refusal refused = refuse_asker(command);
   refused = refused ? refused : refuse_lease(command);
