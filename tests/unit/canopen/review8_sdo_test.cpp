@@ -60,3 +60,27 @@ TEST_F(Review8SdoTest, AStopIsNotSentAgainOnceItIsClosed) {
 
 }  // namespace
 }  // namespace canopen
+
+#include "canopen/bus/transmit_queue.h"
+#include "tests/support/transmit_queue_fixture.h"
+
+namespace canopen {
+namespace {
+
+class Review8QueueTest : public support::TransmitQueueFixture {};
+
+// The echo of a command was lost, and our heartbeat proves that it has gone.
+TEST_F(Review8QueueTest, AStopGoesOnceTheCommandBeforeItIsProvenGone) {
+  see_life();
+  push(TransmitClass::command, support::frame(0x205, 1));
+  advance(21ms);
+  push(TransmitClass::stop, support::frame(0x205, 0));
+  push(TransmitClass::control, support::frame(0x77F));
+  echo(support::frame(0x77F));
+  EXPECT_EQ(link.sent.back(), support::frame(0x205, 0));
+  advance(78ms);
+  EXPECT_EQ(link.sent.back(), support::frame(0x205, 0)) << "99 ms later";
+}
+
+}  // namespace
+}  // namespace canopen
