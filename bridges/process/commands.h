@@ -175,6 +175,8 @@ class Commands {
   };
   boost::asio::awaitable<Outcome> overtake(PendingCommand& command, std::vector<FieldWrite> given);
   [[nodiscard]] StopParts take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const;
+  /// It writes that value to `control_command`, whatever stands beside it.
+  [[nodiscard]] bool asks_control(const PendingCommand& command, canopen::Raw raw) const;
   void go_first(const PendingCommand& stop, canopen::Raw raw);
   boost::asio::awaitable<Refusal> await_stop_turn(PendingCommand& command);
   boost::asio::awaitable<canopen::Result<void>> send_stop(PendingCommand& command, std::vector<Field>& fields);

@@ -102,7 +102,7 @@ awaitable<Result<void>> Commands::send_sdo(PendingCommand& command, const Field&
   node_.hold_repetition(signal.object);
   Result<void> written = Error{};
   if (as_stop) {
-    written = co_await node_.write_stop(signal.object, signal.type, field.raw, command.deadline);
+    written = co_await node_.write_stop(signal.object, signal.type, field.raw, command.deadline, command.stop_limit);
   } else {
     written = co_await node_.write(signal.object, signal.type, field.raw, command.deadline);
   }

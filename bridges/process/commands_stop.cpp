@@ -1,7 +1,6 @@
 // Stops: they go before everything that waits.
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 #include <utility>
 
@@ -15,13 +14,6 @@ using boost::asio::awaitable;
 using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
-
-namespace {
-
-/// An answer that takes longer is not waited for where a newer stop waits.
-constexpr canopen::Duration kStopPatience = std::chrono::milliseconds(100);
-
-}  // namespace
 
 Commands::StopParts Commands::take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const {
   StopParts parts;
@@ -93,20 +85,25 @@ awaitable<Outcome> Commands::write_first(PendingCommand& command, std::vector<Fi
   co_return outcome;
 }
 
+bool Commands::asks_control(const PendingCommand& command, canopen::Raw raw) const {
+  const std::vector<FieldRecord>& fields = command.record.fields;
+  return std::any_of(fields.begin(), fields.end(), [&](const FieldRecord& field) {
+    return commanded_.is_control(field.signal) && field.asked == raw;
+  });
+}
+
 /// From its arrival on, nothing older that writes `control_command` leaves any more, and what is repeated holds the
 /// stop.
 void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
   last_stop_ = stop.number;
   last_stop_text_ = "control_command " + std::to_string(raw) + " of " + to_string(stop.record.writer);
   for (PendingCommand* older : stops_.all()) {
-    const bool equal = std::any_of(
-        older->record.fields.begin(), older->record.fields.end(),
-        [&](const FieldRecord& field) { return commanded_.is_control(field.signal) && field.asked == raw; });
+    const bool equal = asks_control(*older, raw);
     // One that waits for its turn is done by the newer one; another one under way is not waited for any longer.
     if (!older->begun && !older->left && equal && older->record.fields.size() == 1) {
       older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);
     } else if (older->begun && !equal) {
-      node_.hurry_stop(stop.deadline);
+      node_.hurry_stop(older->stop_limit, stop.deadline);
     }
   }
   commanded_.on_stop(raw);
@@ -178,9 +175,10 @@ awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector
 
 awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vector<Field>& fields, bool left_by_rpdo) {
   const Field control = fields.front();
-  if (command.number < last_stop_) {
-    // A newer one waits for it.
-    command.deadline = std::min(command.deadline, canopen::Clock::now() + kStopPatience);
+  for (const PendingCommand* other : stops_.all()) {
+    if (other->number > command.number && !asks_control(*other, control.raw)) {
+      node_.hurry_stop(command.stop_limit, other->deadline);
+    }
   }
   const Result<void> written = co_await send_sdo(command, control, true);
   if (written.has_value()) {
@@ -215,7 +213,8 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
   std::vector<Field> borrowed;
   for (const SignalId signal : *missing) {
     const config::Signal& what = model_.signals[signal];
-    const Result<canopen::Raw> held = co_await node_.read_for_stop(what.object, what.type, command.deadline);
+    const Result<canopen::Raw> held =
+        co_await node_.read_for_stop(what.object, what.type, command.deadline, command.stop_limit);
     if (held.has_error() || closed_) {
       co_return incomplete;
     }
