@@ -1,4 +1,4 @@
-// A stop that goes by SDO waits no longer than 100 ms for an older one of another value.
+// A stop that goes by SDO waits no longer than 100 ms for an older one.
 
 #include <gtest/gtest.h>
 
@@ -137,6 +137,73 @@ TEST_F(StopsInARowTest, TheNewestHasAllItsTime) {
   confirm_control();
   ASSERT_TRUE(newer.done());
   EXPECT_TRUE(newer.get().has_value()) << canopen::to_string(newer.get().error());
+}
+
+// Two writers hold a stop, each waits for its answer: a drive that takes it by PDO only never gets one.
+TEST_F(StopsInARowTest, StopsThatKeepComingStopADriveThatTakesThemByPdoOnly) {
+  bring_online();
+  for (const canopen::ObjectAddress object : {test::kControl, test::kFrequency, test::kTorque}) {
+    slave_.refuse_write(object, 0x06010002);
+  }
+  show(test::kRunningBit);
+  slave_.delay_answers(10ms);
+  Sent first = stop_by(Writer::Way::modbus);
+  run(15ms);
+  Sent second = stop_by(Writer::Way::mqtt);
+  int given = 2;
+  Duration passed{};
+  for (; passed < 5s && rpdos().empty(); passed += 1ms) {
+    run(1ms);
+    if (first.done()) {
+      first = stop_by(Writer::Way::modbus);
+      ++given;
+    }
+    if (second.done()) {
+      second = stop_by(Writer::Way::mqtt);
+      ++given;
+    }
+  }
+  EXPECT_FALSE(rpdos().empty()) << given << " stops, and none on the bus by RPDO in 5 s";
+  run(2s);
+}
+
+// Equal: the older one is not answered; the newer one is to leave 100 ms later.
+TEST_F(StopsInARowTest, AnEqualStopIsOnTheWireWithin150Milliseconds) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.mute(test::kControl);
+  const Sent older = stop_by(Writer::Way::modbus);
+  run(200ms);
+  slave_.forget_heard();
+  const Sent newer = stop_by(Writer::Way::mqtt);
+  EXPECT_LE(until_on_wire(900ms), 150ms);
+  finish(older, 900ms);
+  finish(newer, 1900ms);
+}
+
+TEST_F(StopsInARowTest, TwoEqualOnesAreConfirmedByADriveThatAnswersLate) {
+  start_motor();
+  for (const Duration answer : {110ms, 150ms, 200ms}) {
+    slave_.delay_answers(answer);
+    const Sent older = stop_by(Writer::Way::modbus);
+    run(5ms);
+    const Sent newer = stop_by(Writer::Way::mqtt);
+    EXPECT_TRUE(finish(older, 1s).has_value()) << "the answer to the newer one proves it, too";
+    EXPECT_TRUE(finish(newer, 1s).has_value());
+    slave_.delay_answers(0ms);
+    run(1s);
+  }
+}
+
+TEST_F(StopsInARowTest, AnEqualOneThatIsNotConfirmedConfirmsNone) {
+  start_motor();
+  slave_.mute(test::kControl);
+  const Sent older = stop_by(Writer::Way::modbus);
+  run(5ms);
+  const Sent newer = stop_by(Writer::Way::mqtt);
+  run(2s);
+  expect_not_confirmed(older);
+  expect_not_confirmed(newer);
 }
 
 }  // namespace

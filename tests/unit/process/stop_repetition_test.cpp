@@ -1,4 +1,4 @@
-// Proofs of a review; each fails on what it shows.
+// What a supervised RPDO is repeated with once a stop came.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class Review8Test : public StopFirstTest {
+class StopRepetitionTest : public StopFirstTest {
  protected:
   std::vector<FieldWrite> whole(Raw control, double frequency = 10.0) {
     return {field("control_command", control), field("frequency_command", frequency), field("torque_command", 0.0)};
@@ -21,7 +21,7 @@ class Review8Test : public StopFirstTest {
 };
 
 // The stop left by RPDO and is confirmed as such; then the older run by SDO is answered, and its word is repeated.
-TEST_F(Review8Test, ARunAnsweredBehindTheRpdoOfAStopIsNotRepeated) {
+TEST_F(StopRepetitionTest, ARunAnsweredBehindTheRpdoOfAStopIsNotRepeated) {
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
   show(test::kRunningBit);
@@ -54,7 +54,7 @@ TEST_F(Review8Test, ARunAnsweredBehindTheRpdoOfAStopIsNotRepeated) {
 
 // Only the answer to the run was late, and the stop by SDO behind it gets none: the motor that the RPDO stopped is
 // started by the repetition.
-TEST_F(Review8Test, NoRunIsRepeatedWhileTheStopBehindItWaitsForItsAnswer) {
+TEST_F(StopRepetitionTest, NoRunIsRepeatedWhileTheStopBehindItWaitsForItsAnswer) {
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
   show(test::kRunningBit);
@@ -73,7 +73,7 @@ TEST_F(Review8Test, NoRunIsRepeatedWhileTheStopBehindItWaitsForItsAnswer) {
 }
 
 // The same where the run is never answered: nothing is repeated any more, and the drive trips.
-TEST_F(Review8Test, ARunThatIsNeverAnsweredDoesNotEndTheRepetitionOfANewerStop) {
+TEST_F(StopRepetitionTest, ARunThatIsNeverAnsweredDoesNotEndTheRepetitionOfANewerStop) {
   model_.node.rpdos[0].event_timer = std::uint16_t{300};
   bring_online();
   show(test::kRunningBit);
@@ -93,78 +93,6 @@ TEST_F(Review8Test, ARunThatIsNeverAnsweredDoesNotEndTheRepetitionOfANewerStop) 
   run(1s);
   EXPECT_GE(rpdos().size(), 5U) << "it trips after 300 ms of silence";
   finish(run_command, 900ms);
-}
-
-// Two writers hold a stop, each waits for its answer: a drive that takes it by PDO only never gets one.
-TEST_F(Review8Test, StopsThatKeepComingStopADriveThatTakesThemByPdoOnly) {
-  bring_online();
-  for (const canopen::ObjectAddress object : {test::kControl, test::kFrequency, test::kTorque}) {
-    slave_.refuse_write(object, 0x06010002);
-  }
-  show(test::kRunningBit);
-  slave_.delay_answers(10ms);
-  Sent first = stop_by(Writer::Way::modbus);
-  run(15ms);
-  Sent second = stop_by(Writer::Way::mqtt);
-  int given = 2;
-  Duration passed{};
-  for (; passed < 5s && rpdos().empty(); passed += 1ms) {
-    run(1ms);
-    if (first.done()) {
-      first = stop_by(Writer::Way::modbus);
-      ++given;
-    }
-    if (second.done()) {
-      second = stop_by(Writer::Way::mqtt);
-      ++given;
-    }
-  }
-  EXPECT_FALSE(rpdos().empty()) << given << " stops, and none on the bus by RPDO in 5 s";
-  run(2s);
-}
-
-// Equal: the older one is not answered; the newer one is to leave 100 ms later.
-TEST_F(Review8Test, AnEqualStopIsOnTheWireWithin150Milliseconds) {
-  bring_online();
-  show(test::kRunningBit);
-  slave_.mute(test::kControl);
-  const Sent older = stop_by(Writer::Way::modbus);
-  run(200ms);
-  slave_.forget_heard();
-  const Sent newer = stop_by(Writer::Way::mqtt);
-  EXPECT_LE(until_on_wire(900ms), 150ms);
-  finish(older, 900ms);
-  finish(newer, 1900ms);
-}
-
-// A waiting set-point of the same writer is older than that beside his stop.
-TEST_F(Review8Test, ASetPointBesideAStopIsNotReplacedByAnOlderOne) {
-  bring_online();
-  show(test::kRunningBit);
-  slave_.delay_answers(20ms);
-  const Sent slow = write({field("upper_limit", Raw{4000})});
-  run(2ms);
-  const Sent older = write({field("frequency_command", 50.0)});
-  run(1ms);
-  const Sent stop = write(whole(kStop, 10.0));
-  EXPECT_TRUE(finish(stop, 500ms).has_value());
-  run(200ms);
-  ASSERT_TRUE(older.done());
-  EXPECT_TRUE(older.get().has_error()) << "written whole by a later command of its writer";
-  EXPECT_EQ(drive_->commanded().shown(signal("frequency_command")), 1000U);
-  finish(slow, 100ms);
-}
-
-// One of two faults has gone (CiA 301: the error register is not 0), then the other one.
-TEST_F(Review8Test, ARunCommandedBetweenTheEndsOfTwoFaultsIsVoidAfterTheSecond) {
-  bring_online();
-  run_motor();
-  emcy(0x0004, 0x05);
-  emcy(0x0005, 0x05);
-  emcy(0x0000, 0x04);
-  EXPECT_TRUE(write_all(1, 30.0).has_value());
-  emcy(0x0000, 0x00);
-  EXPECT_FALSE(drive_->commanded().counts(signal("control_command")));
 }
 
 }  // namespace
