@@ -144,7 +144,9 @@ class SdoClient {
   /// Whether the answer that ended a stop can only be that to a stop; where not, it counts as one of the `older`.
   bool settles(const SdoExchange& stop, Unanswered::Count& older);
   [[nodiscard]] Error not_confirmed(const SdoExchange& stop) const;
-  void send_abort(const SdoFrame& abort);
+  void send_abort(const SdoFrame& abort, TransmitClass transmit_class = TransmitClass::sdo);
+  /// The abort of a transfer before a stop leaves before it, or not at all any more.
+  void send_abort_first();
   [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
   SdoExchange::Channel channel_;
@@ -154,7 +156,9 @@ class SdoClient {
   SdoLine line_;
   SdoExchange* exchange_ = nullptr;  ///< Under way.
   const StopLimit* stop_ = nullptr;  ///< The limit of that, where it is a stop's.
-  Ticket abort_;                     ///< The newest abort of ours.
+  Ticket abort_;                     ///< The newest abort of ours,
+  SdoFrame aborted_{};               ///< and what it says.
+  std::uint64_t interruptions_ = 0;  ///< How often it was interrupted.
   Unanswered unanswered_;
   WriteTimes write_times_;
   bool answered_ = false;

@@ -23,12 +23,13 @@ TimePoint end_of_patience(TimePoint deadline) {
 boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object, DataType type, Raw raw,
                                                            TimePoint deadline, unsigned most_sent,
                                                            const StopLimit& limit) {
+  const std::uint64_t life = interruptions_;
   SdoLine::Place place(line_, SdoLine::Kind::stop, Clock::now());
   make_way(deadline);
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  abort_.reset();
+  send_abort_first();
   Unanswered::Count older = unanswered_.count(object);
   bool disturbed = false;
   for (unsigned sent = 1;; ++sent) {
@@ -41,7 +42,9 @@ boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object,
       co_return outcome(exchange, true);
     }
     const bool again = exchange.answered() || (exchange.disturbed() && !disturbed);
-    if (!again || sent >= most_sent || Clock::now() >= std::min(deadline, limit.until)) {
+    // Once to a node that was lost or booted meanwhile, and to none that is served no more.
+    const unsigned most = life == interruptions_ ? most_sent : 1;
+    if (!again || place.called_off() || sent >= most || Clock::now() >= std::min(deadline, limit.until)) {
       const bool never_sent = sent == 1 && exchange.error() && exchange.error()->not_sent;
       co_return never_sent ? *exchange.error() : not_confirmed(exchange);
     }
@@ -59,7 +62,7 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read_for_stop(ObjectAddress objec
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  abort_.reset();
+  send_abort_first();
   // The answer to an older read of it may come first; the next one is ours, or as new.
   const int reads = unanswered_.contains(object) ? 2 : 1;
   Result<Bytes> bytes = Error{};
@@ -84,6 +87,14 @@ void SdoClient::hurry_stop(StopLimit& limit, TimePoint deadline) {
   limit.until = std::min(limit.until, end_of_patience(deadline));
   if (stop_ == &limit) {
     exchange_->hurry(limit.until);
+  }
+}
+
+/// A server in the middle of a segmented transfer would take the stop for a protocol error of that one, and refuse it
+/// (CiA 301 §7.2.4.3). Of the class of stops, which keep their order, it leaves before the stop.
+void SdoClient::send_abort_first() {
+  if (abort_.waiting()) {
+    send_abort(aborted_, TransmitClass::stop);
   }
 }
 
