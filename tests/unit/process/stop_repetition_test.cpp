@@ -47,7 +47,8 @@ TEST_F(StopRepetitionTest, ARunAnsweredBehindTheRpdoOfAStopIsNotRepeated) {
   }
   EXPECT_TRUE(finish(stop, 1ms).has_value());
   for (const Bytes& rpdo : rpdos()) {
-    EXPECT_EQ(rpdo[0], kStop) << log << "; stop ok after ms " << std::chrono::duration_cast<std::chrono::milliseconds>(stop_at).count();
+    EXPECT_EQ(rpdo[0], kStop) << log << "; stop ok after ms "
+                              << std::chrono::duration_cast<std::chrono::milliseconds>(stop_at).count();
   }
   finish(run_command, 900ms);
 }
