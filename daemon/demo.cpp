@@ -63,6 +63,9 @@ void add_drives(SimulatedSite& site, DemoBuses& buses, const config::Model& mode
 }  // namespace
 
 int demo(const Options& options) {
+  // Before anything is told or made: whoever sees a line of ours may end us, and the directory is to go.
+  boost::asio::io_context loop(1);
+  StopSignal stop(loop.get_executor());
   std::optional<config::Model> model = demo_model(options);
   if (!model) {
     return kConfigurationError;
@@ -72,9 +75,7 @@ int demo(const Options& options) {
   model->gateway.control = (directory.path() / "control").string();
   model->gateway.state_dir = (directory.path() / "state").string();
   const Log log(options.verbose);
-  boost::asio::io_context loop(1);
   DemoBuses buses(loop.get_executor(), *model);
-  StopSignal stop(loop.get_executor());
   LiveOutput output(STDOUT_FILENO, [&stop] { stop.stop(); });
   const auto show = [&output](std::string_view text) { output.write(text); };
   SimulatedSite site(loop.get_executor(), show);

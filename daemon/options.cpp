@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <array>
-#include <iostream>
+#include <chrono>
+#include <string>
 
 #include "daemon/descriptors.h"
+#include "daemon/output.h"
 
 namespace gateway {
 namespace {
@@ -33,9 +35,13 @@ config::LoadOptions load_options(const Options& options) {
 }
 
 void show_findings(const config::Findings& findings) {
+  std::string text;
   for (const config::Finding& finding : findings) {
-    std::cerr << with_priority(STDERR_FILENO, finding.level, to_string(finding)) << '\n';
+    text += with_priority(STDERR_FILENO, finding.level, to_string(finding)) + '\n';
   }
+  // Not by a stream, which gives up when a signal comes while it waits for its reader. Nobody can be told of a failure.
+  constexpr std::chrono::milliseconds kForEver(-1);
+  static_cast<void>(write_text(STDERR_FILENO, text, kForEver));
 }
 
 std::optional<config::Model> load_or_complain(const Options& options, Secrets secrets) {

@@ -50,14 +50,17 @@ boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, S
 }  // namespace
 
 int run(const Options& options) {
+  // Before anything is told: whoever sees a line of ours may end us, in order.
+  boost::asio::io_context loop(1);
+  StopSignal stop(loop.get_executor());
+  boost::asio::signal_set hang_ups(loop, SIGHUP);
   const std::optional<config::Model> model = load_or_complain(options, Secrets::read);
   if (!model) {
     return kConfigurationError;
   }
   const Log log(options.verbose);
+  refuse_reloads(hang_ups);
   warn_of_virtual_buses(*model);
-  boost::asio::io_context loop(1);
-  StopSignal stop(loop.get_executor());
   std::vector<std::unique_ptr<canopen::VirtualBus>> in_process;  // One for each bus that wants it.
   Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) {
     if (bus.interface == config::kVirtualInterface) {
@@ -68,8 +71,6 @@ int run(const Options& options) {
         [name = bus.name](const std::string& text) { spdlog::warn("bus {}: {}", name, text); }, bus.echo);
   });
   gateway.start();
-  boost::asio::signal_set hang_ups(loop, SIGHUP);
-  refuse_reloads(hang_ups);
   Supervision supervision(loop.get_executor(), gateway.plant());
   supervision.ready();
   spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),

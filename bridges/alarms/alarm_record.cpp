@@ -29,6 +29,7 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
   const Alarm before = alarm_;
   alarm_.errors = std::move(errors);
   alarm_.active = !alarm_.errors.empty();
+  alarm_.known = alarm_.known || alarm_.active;  // Somebody told so.
   alarm_.error_register = error_register;
   alarm_.confirmed = confirmed;
   if (alarm_.active) {

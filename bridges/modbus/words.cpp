@@ -63,17 +63,13 @@ void put_value(const config::Signal& signal, canopen::Raw raw, config::WordOrder
   put_words(canopen::normalise(signal.type, raw), order, out);
 }
 
-std::optional<process::GivenValue> value_of(const config::Signal& signal, std::span<const std::uint8_t> bytes,
-                                            config::WordOrder order) noexcept {
+process::GivenValue value_of(const config::Signal& signal, std::span<const std::uint8_t> bytes,
+                             config::WordOrder order) noexcept {
   const std::uint64_t joined = join_words(bytes, order);
   if (signal.modbus.as_float) {
     return shortest(std::bit_cast<float>(static_cast<std::uint32_t>(joined)));
   }
-  const canopen::Raw raw = canopen::is_signed(signal.type) ? extend(joined, bytes.size() / 2) : joined;
-  if (canopen::normalise(signal.type, raw) != raw) {
-    return std::nullopt;
-  }
-  return raw;
+  return canopen::is_signed(signal.type) ? extend(joined, bytes.size() / 2) : joined;
 }
 
 }  // namespace modbus

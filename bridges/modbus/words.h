@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <variant>
 
@@ -22,9 +21,9 @@ void put_value(const config::Signal& signal, canopen::Raw raw, config::WordOrder
                std::span<std::uint16_t> out) noexcept;
 
 /// What a client wrote: `bytes` are two per register, high byte first. A raw value, or with `as_float` a number in
-/// engineering units. Nothing where the signal's type cannot hold the value.
-[[nodiscard]] std::optional<process::GivenValue> value_of(const config::Signal& signal,
-                                                          std::span<const std::uint8_t> bytes,
-                                                          config::WordOrder order) noexcept;
+/// engineering units. One that the signal's type cannot hold comes as it is: the arbiter refuses it as out of range,
+/// and carries out a stop that it stands beside.
+[[nodiscard]] process::GivenValue value_of(const config::Signal& signal, std::span<const std::uint8_t> bytes,
+                                           config::WordOrder order) noexcept;
 
 }  // namespace modbus

@@ -40,12 +40,8 @@ WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const
     if (signal == nullptr || signal->modbus.address != address || done + signal->modbus.count > range.quantity) {
       return Exception::illegal_address;
     }
-    const auto value =
-        value_of(*signal, bytes.subspan(2 * done, std::size_t{2} * signal->modbus.count), table.word_order());
-    if (!value) {
-      return Exception::illegal_value;
-    }
-    fields.push_back({.signal = owner, .value = *value});
+    const auto words = bytes.subspan(2 * done, std::size_t{2} * signal->modbus.count);
+    fields.push_back({.signal = owner, .value = value_of(*signal, words, table.word_order())});
     done += signal->modbus.count;
   }
   return fields;

@@ -104,10 +104,12 @@ std::string first_outcome(const process::Outcome& outcome) {
   return text;
 }
 
+canopen::Error duplicate_error() {
+  return {.kind = canopen::ErrorKind::duplicate, .detail = "the same command came within the last 60 s"};
+}
+
 Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& first) {
-  const canopen::Error duplicate{.kind = canopen::ErrorKind::duplicate,
-                                 .detail = "the same command came within the last 60 s"};
-  return answer(to, answer_text(to, duplicate, first));
+  return answer(to, answer_text(to, duplicate_error(), first));
 }
 
 Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,

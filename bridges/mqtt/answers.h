@@ -28,6 +28,9 @@ struct ReplyTo {
 /// `{"ok":false,"code":"refused","abort":"0x08000022","error":"…"}`.
 [[nodiscard]] std::string first_outcome(const process::Outcome& outcome);
 
+/// What a repetition is refused with.
+[[nodiscard]] canopen::Error duplicate_error();
+
 /// To a repetition: code `duplicate`, with `first` beside it where it is given.
 [[nodiscard]] Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& first);
 

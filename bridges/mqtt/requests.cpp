@@ -36,17 +36,6 @@ bool is_expired(const Incoming& incoming, canopen::TimePoint now) {
   return incoming.expiry && now - incoming.received >= std::chrono::seconds(*incoming.expiry);
 }
 
-// The lease goes before access, type and range, also where they are found out here and not by the arbiter.
-Error told_before(const process::Drive* drive, const Error& mistake) {
-  const bool later =
-      mistake.kind == ErrorKind::read_only || mistake.kind == ErrorKind::type || mistake.kind == ErrorKind::range;
-  const auto holder = drive == nullptr || !later ? std::nullopt : drive->control().holder;
-  if (!holder || *holder == mqtt_writer()) {
-    return mistake;
-  }
-  return {.kind = ErrorKind::lease, .detail = to_string(*holder) + " holds the lease"};
-}
-
 bool carries_no_command(const Route& route) {
   return route.kind == Route::Kind::alarm || route.kind == Route::Kind::alive;
 }
@@ -77,7 +66,7 @@ void Requests::handle(const Incoming& incoming) {
     under_way_->send({.topic = incoming.topic, .payload = {}});
   }
   if (const auto refused = refuse_sender(incoming, command)) {
-    under_way_->send(command_answer(command.to, *refused));
+    under_way_->send(command_answer(command.to, refuse(incoming, command, *refused)));
     return;
   }
   const canopen::TimePoint now = canopen::Clock::now();
@@ -86,6 +75,7 @@ void Requests::handle(const Incoming& incoming) {
   if (command.allowed && may_repeat(incoming, command)) {
     const auto earlier = under_way_->duplicates.earlier(incoming, command.has_id, now);
     if (earlier && !command.expired) {
+      refuse(incoming, command, duplicate_error());
       under_way_->repeat(command.to, *earlier);
       return;
     }
@@ -93,8 +83,14 @@ void Requests::handle(const Incoming& incoming) {
   }
   const Result<void> begun = begin(incoming, command, asker);
   if (begun.has_error()) {
-    under_way_->settle(asker, begun.error());
+    under_way_->settle(asker, refuse(incoming, command, begun.error()));
   }
+}
+
+process::Outcome Requests::refuse(const Incoming& incoming, const Command& command, Error mistake) {
+  const bool is_command = command.drive != nullptr && !command.reads;
+  return is_command ? command.drive->refuse(origin_of(incoming, command.id), std::move(mistake))
+                    : process::Outcome(std::move(mistake));
 }
 
 // A mistake in it is told each time.
@@ -188,7 +184,7 @@ Result<void> Requests::begin(const Incoming& incoming, Command& command, const A
     return Error{.kind = ErrorKind::expired, .detail = "the command came after its message expiry interval"};
   }
   if (command.asked.has_error()) {
-    return told_before(command.drive, command.asked.error());
+    return command.asked.error();
   }
   process::Origin origin = origin_of(incoming, command.id);
   if (command.drive == nullptr) {

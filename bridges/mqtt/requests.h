@@ -66,6 +66,8 @@ class Requests {
   [[nodiscard]] std::optional<canopen::Error> refuse_sender(const Incoming& incoming, const Command& command) const;
   /// It may be a repetition of an earlier one, and a later one a repetition of it.
   [[nodiscard]] static bool may_repeat(const Incoming& incoming, const Command& command);
+  /// What is told of a command that is refused here; where it names a drive, that one notes it.
+  static process::Outcome refuse(const Incoming& incoming, const Command& command, canopen::Error mistake);
   [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, Command& command, const Asker& asker);
   /// A command of one drive.
   [[nodiscard]] boost::asio::awaitable<void> carry_out(process::Origin origin, Command& command, const Asker& asker);

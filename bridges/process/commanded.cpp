@@ -90,8 +90,10 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
     value.counts =
         !outlived && (control_counts || !control) && !config::is_momentary(model_.signals[field.signal], field.raw);
     value.confirmed = now;
-    // A stop that came meanwhile is about to replace it.
-    if (control && stopped_ <= since) {
+    if (control && stopped_ > since) {
+      // The answer to an older command: the stop that came meanwhile may be confirmed already, by RPDO.
+      replace_repeated_control(stop_);
+    } else if (control) {
       if (outlived && !may_go_on(field.raw)) {
         replace_repeated_control(canopen::first_stop(model_.node.motor));
       } else {
@@ -122,16 +124,20 @@ void Commanded::note_repetition(const Field& field, Rpdo& rpdo, bool by_this_rpd
   }
 }
 
-void Commanded::doubt(std::span<const Field> fields, canopen::TimePoint now) {
+void Commanded::doubt(std::span<const Field> fields, Epoch since, canopen::TimePoint now) {
   for (const Field& field : fields) {
     Value& value = values_[field.signal];
     value.held.reset();
     value.counts = false;
     value.doubtful = now;
+    if (is_control(field.signal) && stopped_ > since) {
+      replace_repeated_control(stop_);
+    }
   }
   for (Rpdo& rpdo : rpdos_) {
-    const bool carries =
-        std::any_of(fields.begin(), fields.end(), [&](const Field& field) { return maps(rpdo, field.signal); });
+    const bool carries = std::any_of(fields.begin(), fields.end(), [&](const Field& field) {
+      return maps(rpdo, field.signal) && !(is_control(field.signal) && stopped_ > since);
+    });
     rpdo.repeats = rpdo.repeats && !carries;
   }
 }
@@ -175,6 +181,7 @@ void Commanded::on_standstill(std::string_view what) {
 void Commanded::on_stop(canopen::Raw control) {
   void_control("a stop came");
   stopped_ = epoch_;
+  stop_ = control;
   replace_repeated_control(control);
 }
 

@@ -57,8 +57,8 @@ class Commanded {
   /// became void after that does not count. `control_counts`: somebody can tell whether the motor turns.
   void confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch since, bool control_counts,
                canopen::TimePoint now);
-  /// Nobody knows whether these took effect.
-  void doubt(std::span<const Field> fields, canopen::TimePoint now);
+  /// Nobody knows whether these took effect. Their RPDO is repeated no more, but for a stop that came after `since`.
+  void doubt(std::span<const Field> fields, Epoch since, canopen::TimePoint now);
 
   void on_fault_begin(std::string_view what);
   void on_fault_end();
@@ -142,6 +142,7 @@ class Commanded {
   Epoch silenced_ = 0;                            ///< When repetition last had to end.
   Epoch fault_end_ = 0;                           ///< When a fault last ended.
   Epoch stopped_ = 0;                             ///< When the newest stop came.
+  canopen::Raw stop_ = 0;                         ///< What it writes.
   std::optional<canopen::Raw> repeated_instead_;  ///< Repeated in place of the control command that the drive holds.
 };
 

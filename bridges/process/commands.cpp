@@ -19,10 +19,9 @@ using canopen::ErrorKind;
 using canopen::Raw;
 using canopen::Result;
 
-bool writes_all_of(const CommandRecord& later, const CommandRecord& earlier) {
+bool writes_all_of(std::span<const Field> later, const CommandRecord& earlier) {
   return std::all_of(earlier.fields.begin(), earlier.fields.end(), [&](const FieldRecord& field) {
-    return std::any_of(later.fields.begin(), later.fields.end(),
-                       [&](const FieldRecord& other) { return other.signal == field.signal; });
+    return std::any_of(later.begin(), later.end(), [&](const Field& other) { return other.signal == field.signal; });
   });
 }
 
@@ -90,6 +89,7 @@ awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<
     co_return *std::move(refused);
   }
   accept(command);
+  supersede_older(command, checked.value());
   const CommandLane::Place place(lane_, command);
   std::optional<Error> refused = co_await await_turn(command);
   if (refused) {
@@ -178,20 +178,6 @@ awaitable<Outcome> Commands::sdo_write(Origin origin, canopen::ObjectValue value
   co_return outcome;
 }
 
-Outcome Commands::refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal) {
-  PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::raw);
-  command.record.object = value;
-  std::optional<Error> refused = refuse_asker(command);
-  if (!refused) {
-    const config::Signal& what = model_.signals[signal];
-    refused = error(ErrorKind::type, what.name + " is " + std::string(name_of(what.type)));
-  }
-  refused->object = value.object;
-  Outcome outcome = *std::move(refused);
-  finish(command, outcome);
-  return outcome;
-}
-
 awaitable<Outcome> Commands::send_raw(PendingCommand& command, canopen::ObjectValue value) {
   Refusal refused = refuse_asker(command);
   refused = refused ? refused : refuse_lease(command);
@@ -217,17 +203,17 @@ awaitable<Outcome> Commands::send_raw(PendingCommand& command, canopen::ObjectVa
 void Commands::accept(const PendingCommand& command) {
   control_.on_accepted(command.record.writer, command.use, canopen::Clock::now());
   control_changed();
-  if (command.record.kind == CommandRecord::Kind::write && !command.relies_on_bits) {
-    supersede_older(command);
-  }
 }
 
 /// Newest wins: what waits, sets set-points only and is written whole by this one is not worth its time any more.
-void Commands::supersede_older(const PendingCommand& by) {
+void Commands::supersede_older(const PendingCommand& by, std::span<const Field> fields) {
+  if (by.relies_on_bits) {
+    return;
+  }
   for (PendingCommand* older : lane_.all()) {
     const bool waits = older->set_points_only && !older->begun && !older->ended &&
                        older->record.kind == CommandRecord::Kind::write && older->number < by.number;
-    if (waits && older->record.writer == by.record.writer && writes_all_of(by.record, older->record)) {
+    if (waits && older->record.writer == by.record.writer && writes_all_of(fields, older->record)) {
       older->ended = error(ErrorKind::superseded, "a later command of " + to_string(by.record.writer) + " came first");
     }
   }

@@ -73,6 +73,10 @@ class Commands {
   boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command);
   boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object, canopen::DataType type);
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value);
+  /// A command that its bridge cannot take for one: it was asked for all the same, so log and journal have it. What is
+  /// told: `mistake`, or what goes before it, which is the writer and, before access, type and range, the lease.
+  /// `retained` stands before the writer.
+  Outcome refuse(Origin origin, canopen::Error mistake);
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();
@@ -133,7 +137,8 @@ class Commands {
   [[nodiscard]] Refusal refuse_waiting(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_for_time(const PendingCommand& command) const;
   void accept(const PendingCommand& command);
-  void supersede_older(const PendingCommand& by);
+  /// `fields`: what of it is accepted.
+  void supersede_older(const PendingCommand& by, std::span<const Field> fields);
   boost::asio::awaitable<Outcome> write_in_turn(PendingCommand& command, std::vector<FieldWrite> given,
                                                 const std::vector<FieldWrite>& resolved);
   /// A raw write of a signal's object in another type.
@@ -157,6 +162,7 @@ class Commands {
   boost::asio::awaitable<canopen::Result<void>> send_sdo(PendingCommand& command, const Field& field, bool as_stop);
   void account(PendingCommand& command, const WriteStep& step, Commanded::Epoch since,
                const canopen::Result<void>& result);
+  void note_confirmed(PendingCommand& command, const Field& field, std::uint16_t rpdo);
   void take_out(PendingCommand& command, std::vector<Field>& fields, std::span<const Field> written);
   [[nodiscard]] canopen::Error explain(canopen::Error error, SignalId signal) const;
   boost::asio::awaitable<void> note_begin(PendingCommand& command);
@@ -175,7 +181,13 @@ class Commands {
   };
   boost::asio::awaitable<Outcome> overtake(PendingCommand& command, std::vector<FieldWrite> given);
   [[nodiscard]] StopParts take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const;
+  /// It writes that value to `control_command`, whatever stands beside it.
+  [[nodiscard]] bool asks_control(const PendingCommand& command, canopen::Raw raw) const;
   void go_first(const PendingCommand& stop, canopen::Raw raw);
+  [[nodiscard]] Refusal refuse_superfluous(const PendingCommand& stop) const;
+  /// A stop that was not confirmed while an equal one waited behind it: the confirmation of that one is its own.
+  boost::asio::awaitable<canopen::Result<void>> join_equal(PendingCommand& command, std::vector<Field>& fields,
+                                                           canopen::Result<void> stopped);
   boost::asio::awaitable<Refusal> await_stop_turn(PendingCommand& command);
   boost::asio::awaitable<canopen::Result<void>> send_stop(PendingCommand& command, std::vector<Field>& fields);
   boost::asio::awaitable<canopen::Result<void>> stop_by_sdo(PendingCommand& command, std::vector<Field>& fields,

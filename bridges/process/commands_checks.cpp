@@ -124,6 +124,36 @@ Result<Raw> Commands::base_of_bits(SignalId signal) const {
   return error(ErrorKind::offline, "the bits that are to be kept are not known: the value is not fresh");
 }
 
+Outcome Commands::refuse(Origin origin, Error mistake) {
+  const PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::write);
+  Refusal before;
+  if (mistake.kind != ErrorKind::retained) {
+    before = refuse_writer(model_, command.record.writer);
+  }
+  const bool after_lease =
+      mistake.kind == ErrorKind::read_only || mistake.kind == ErrorKind::type || mistake.kind == ErrorKind::range;
+  if (!before && after_lease) {
+    before = refuse_lease(command);
+  }
+  Outcome outcome = before ? *std::move(before) : std::move(mistake);
+  finish(command, outcome);
+  return outcome;
+}
+
+Outcome Commands::refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal) {
+  PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::raw);
+  command.record.object = value;
+  std::optional<Error> refused = refuse_asker(command);
+  if (!refused) {
+    const config::Signal& what = model_.signals[signal];
+    refused = error(ErrorKind::type, what.name + " is " + std::string(name_of(what.type)));
+  }
+  refused->object = value.object;
+  Outcome outcome = *std::move(refused);
+  finish(command, outcome);
+  return outcome;
+}
+
 Commands::Refusal Commands::refuse_asker(const PendingCommand& command) const {
   if (closed_) {
     return closed_error();

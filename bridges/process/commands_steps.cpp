@@ -102,12 +102,15 @@ awaitable<Result<void>> Commands::send_sdo(PendingCommand& command, const Field&
   node_.hold_repetition(signal.object);
   Result<void> written = Error{};
   if (as_stop) {
-    written = co_await node_.write_stop(signal.object, signal.type, field.raw, command.deadline);
+    written = co_await node_.write_stop(signal.object, signal.type, field.raw, command.deadline, command.stop_limit);
   } else {
     written = co_await node_.write(signal.object, signal.type, field.raw, command.deadline);
   }
   account(command, step, since, written);
-  node_.refresh_repetition(signal.object);
+  // A stop behind it holds the same RPDO, and refreshes it when it is through itself.
+  if (as_stop || !command.carries_control || stops_.empty()) {
+    node_.refresh_repetition(signal.object);
+  }
   co_return written;
 }
 
@@ -117,7 +120,7 @@ void Commands::account(PendingCommand& command, const WriteStep& step, Commanded
   const canopen::TimePoint now = canopen::Clock::now();
   if (result.has_error()) {
     if (!left_unchanged(result.error())) {
-      commanded_.doubt(step.fields, now);
+      commanded_.doubt(step.fields, since, now);
       node_.repetition_changed();
     }
     return;
@@ -125,21 +128,25 @@ void Commands::account(PendingCommand& command, const WriteStep& step, Commanded
   commanded_.confirm(step.fields, step.rpdo, since, running().has_value(), now);
   node_.repetition_changed();
   for (const Field& field : step.fields) {
-    const auto record = std::find_if(command.record.fields.begin(), command.record.fields.end(),
-                                     [&](const FieldRecord& each) { return each.signal == field.signal; });
-    if (record != command.record.fields.end()) {
-      record->confirmed = field.raw;
-    }
-    if (commanded_.is_control(field.signal)) {
-      const ControlUse use = use_of_control(field.raw);
-      if (use == ControlUse::momentary && step.rpdo == 0 && commanded_.is_supervised(field.signal)) {
-        command.note = "by SDO, so no RPDO is repeated: the drive's supervision of it may trip";
-      }
-      control_.on_confirmed_control(command.record.writer, use, now);
-      control_changed();
-    }
+    note_confirmed(command, field, step.rpdo);
   }
   listener_.on_commanded(signals_of(step.fields));
+}
+
+void Commands::note_confirmed(PendingCommand& command, const Field& field, std::uint16_t rpdo) {
+  const auto record = std::find_if(command.record.fields.begin(), command.record.fields.end(),
+                                   [&](const FieldRecord& each) { return each.signal == field.signal; });
+  if (record != command.record.fields.end()) {
+    record->confirmed = field.raw;
+  }
+  if (commanded_.is_control(field.signal)) {
+    const ControlUse use = use_of_control(field.raw);
+    if (use == ControlUse::momentary && rpdo == 0 && commanded_.is_supervised(field.signal)) {
+      command.note = "by SDO, so no RPDO is repeated: the drive's supervision of it may trip";
+    }
+    control_.on_confirmed_control(command.record.writer, use, canopen::Clock::now());
+    control_changed();
+  }
 }
 
 void Commands::take_out(PendingCommand& command, std::vector<Field>& fields, std::span<const Field> written) {

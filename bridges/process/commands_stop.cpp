@@ -1,7 +1,6 @@
 // Stops: they go before everything that waits.
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 #include <utility>
 
@@ -15,13 +14,6 @@ using boost::asio::awaitable;
 using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
-
-namespace {
-
-/// An answer that takes longer is not waited for where a newer stop waits.
-constexpr canopen::Duration kStopPatience = std::chrono::milliseconds(100);
-
-}  // namespace
 
 Commands::StopParts Commands::take_apart(const PendingCommand& command, std::span<const FieldWrite> given) const {
   StopParts parts;
@@ -39,9 +31,15 @@ Commands::StopParts Commands::take_apart(const PendingCommand& command, std::spa
     }
     const Result<std::vector<Field>> checked = check_fields(model_, {write});
     if (lease || checked.has_error()) {
-      parts.left_out = lease ? error(ErrorKind::lease, *lease) : checked.error();
+      Error why = lease ? error(ErrorKind::lease, *lease) : checked.error();
       if (!lease && write.signal < model_.signals.size()) {
-        parts.left_out->detail = model_.signals[write.signal].name + ": " + parts.left_out->detail;
+        why.detail = model_.signals[write.signal].name + ": " + why.detail;
+      }
+      // The first one's kind; each is named.
+      if (!parts.left_out) {
+        parts.left_out = std::move(why);
+      } else if (!lease) {
+        parts.left_out->detail += "; " + why.detail;
       }
     } else {
       parts.fields.push_back(checked.value().front());
@@ -65,8 +63,10 @@ awaitable<Outcome> Commands::overtake(PendingCommand& command, std::vector<Field
     control_changed();
   }
   const bool unchanged = holds_all(parts.fields) && !parts.left_out;
+  supersede_older(command, parts.fields);
   go_first(command, parts.fields.front().raw);
-  const Result<void> stopped = co_await send_stop(command, parts.fields);
+  Result<void> stopped = co_await send_stop(command, parts.fields);
+  stopped = co_await join_equal(command, parts.fields, std::move(stopped));
   if (stopped.has_error()) {
     co_return stopped;
   }
@@ -93,20 +93,29 @@ awaitable<Outcome> Commands::write_first(PendingCommand& command, std::vector<Fi
   co_return outcome;
 }
 
+bool Commands::asks_control(const PendingCommand& command, canopen::Raw raw) const {
+  const std::vector<FieldRecord>& fields = command.record.fields;
+  return std::any_of(fields.begin(), fields.end(), [&](const FieldRecord& field) {
+    return commanded_.is_control(field.signal) && field.asked == raw;
+  });
+}
+
 /// From its arrival on, nothing older that writes `control_command` leaves any more, and what is repeated holds the
 /// stop.
 void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
   last_stop_ = stop.number;
   last_stop_text_ = "control_command " + std::to_string(raw) + " of " + to_string(stop.record.writer);
   for (PendingCommand* older : stops_.all()) {
-    const bool equal = std::any_of(
-        older->record.fields.begin(), older->record.fields.end(),
-        [&](const FieldRecord& field) { return commanded_.is_control(field.signal) && field.asked == raw; });
-    // One that waits for its turn is done by the newer one; another one under way is not waited for any longer.
+    const bool equal = asks_control(*older, raw);
+    // One that waits for its turn is done by the newer one; one under way is not waited for any longer. An equal one
+    // that is being completed goes on: all that it reads the newer one would have to read, too.
     if (!older->begun && !older->left && equal && older->record.fields.size() == 1) {
       older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);
-    } else if (older->begun && !equal) {
-      node_.hurry_stop(stop.deadline);
+    } else if (older->begun) {
+      node_.hurry_stop(older->stop_limit, stop.deadline);
+      if (!equal) {
+        node_.hurry_stop(older->read_limit, stop.deadline);
+      }
     }
   }
   commanded_.on_stop(raw);
@@ -178,9 +187,11 @@ awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector
 
 awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vector<Field>& fields, bool left_by_rpdo) {
   const Field control = fields.front();
-  if (command.number < last_stop_) {
-    // A newer one waits for it.
-    command.deadline = std::min(command.deadline, canopen::Clock::now() + kStopPatience);
+  for (const PendingCommand* other : stops_.all()) {
+    if (other->number > command.number && !asks_control(*other, control.raw)) {
+      node_.hurry_stop(command.stop_limit, other->deadline);
+      node_.hurry_stop(command.read_limit, other->deadline);
+    }
   }
   const Result<void> written = co_await send_sdo(command, control, true);
   if (written.has_value()) {
@@ -201,6 +212,42 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
   co_return never_sent ? Result<void>(explain(written.error(), control.signal)) : left;
 }
 
+/// Only a newer stop that is on the bus stops the motor in its place: where stops keep coming, each would else give way
+/// to the next one, and none would leave.
+Commands::Refusal Commands::refuse_superfluous(const PendingCommand& stop) const {
+  const bool newer_left = std::any_of(stops_.all().begin(), stops_.all().end(), [&](const PendingCommand* other) {
+    return other->number > stop.number && other->left;
+  });
+  return newer_left ? Refusal(error(ErrorKind::superseded, "a newer stop came: " + last_stop_text_)) : std::nullopt;
+}
+
+awaitable<Result<void>> Commands::join_equal(PendingCommand& command, std::vector<Field>& fields,
+                                             Result<void> stopped) {
+  if (!stopped.has_error() || !stopped.error().outcome_unknown || fields.size() != 1) {
+    co_return stopped;
+  }
+  const Field control = fields.front();
+  const canopen::TimePoint since = canopen::Clock::now();
+  const auto equal_waits = [&] {
+    return std::any_of(stops_.all().begin(), stops_.all().end(), [&](const PendingCommand* other) {
+      return other->number > command.number && asks_control(*other, control.raw);
+    });
+  };
+  const auto confirmed = [&] {
+    const auto at = commanded_.last_confirmed_at(control.signal);
+    return at && *at >= since && commanded_.shown(control.signal) == control.raw;
+  };
+  while (!confirmed() && equal_waits() && !closed_ && canopen::Clock::now() < command.deadline) {
+    co_await changed_.wait_until(command.deadline);
+  }
+  if (!confirmed()) {
+    co_return stopped;
+  }
+  note_confirmed(command, control, 0);
+  take_out(command, fields, {{control}});
+  co_return Result<void>();
+}
+
 /// A drive that takes its control command only by PDO: what it holds of the set-points completes a stop, and a stop
 /// alone.
 awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, std::vector<Field>& fields) {
@@ -215,14 +262,15 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
   std::vector<Field> borrowed;
   for (const SignalId signal : *missing) {
     const config::Signal& what = model_.signals[signal];
-    const Result<canopen::Raw> held = co_await node_.read_for_stop(what.object, what.type, command.deadline);
+    const Result<canopen::Raw> held =
+        co_await node_.read_for_stop(what.object, what.type, command.deadline, command.read_limit);
+    if (Refusal refused = refuse_superfluous(command)) {
+      co_return *std::move(refused);
+    }
     if (held.has_error() || closed_) {
       co_return incomplete;
     }
     borrowed.push_back({signal, held.value()});
-  }
-  if (command.number < last_stop_) {
-    co_return error(ErrorKind::superseded, "a newer stop came: " + last_stop_text_);
   }
   Result<void> left = co_await send_rpdo(command, step, borrowed);
   if (left.has_value()) {

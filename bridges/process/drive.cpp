@@ -118,7 +118,8 @@ void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::W
     if (had_fault_emcy_.value_or(true)) {
       commands_.on_fault_end();
     }
-    had_fault_emcy_ = false;
+    // Where errors are left, a fault may stand yet.
+    had_fault_emcy_ = had_fault_emcy_.value_or(true) && (emcy.error_register != 0 || emcy.remaining != 0);
   } else if (alarms::name_emcy(model_.faults, model_.node.emcy, emcy).severity == config::Severity::fault) {
     had_fault_emcy_ = true;
     commands_.on_fault_begin("an emergency came");

@@ -78,6 +78,11 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value) {
     return commands_.sdo_write(std::move(origin), value);
   }
+  /// A command that a bridge refuses by itself: noted as one, and what is to be told. The writer, and before access,
+  /// type and range the lease, go before `mistake`, unless that is `retained`.
+  Outcome refuse(Origin origin, canopen::Error mistake) {
+    return commands_.refuse(std::move(origin), std::move(mistake));
+  }
 
   /// A command with these fields is a stop: nothing may keep it waiting. Where none of them changes bits alone (Mask),
   /// from any thread: it looks at the model only.

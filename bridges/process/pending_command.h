@@ -12,6 +12,7 @@
 #include "bridges/process/control_use.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
+#include "canopen/sdo/stop_limit.h"
 
 namespace process {
 
@@ -30,6 +31,8 @@ struct PendingCommand {
   bool begun = false;                     ///< It has its turn.
   bool goes_first = false;                ///< In its lane: before what is not.
   bool left = false;                      ///< A stop: an RPDO of it has left, or may have.
+  canopen::StopLimit stop_limit{};        ///< A stop: a newer one waits,
+  canopen::StopLimit read_limit{};        ///< and is another one.
   bool noted = false;                     ///< Its begin stands in the journal.
   bool carries_control = false;           ///< So does its step under way.
   bool withdrawn = false;                 ///< Its step under way was called back, to be looked at again.

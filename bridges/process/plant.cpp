@@ -100,8 +100,9 @@ void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   Body::Line& line = body_->lines[bus];
   line.state = state;
   const bool active = state.condition != canopen::BusCondition::error_active;
-  const bool changed = line.alarm.show(active, std::string(canopen::describe(state.condition)),
-                  state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
+  const bool changed =
+      line.alarm.show(active, std::string(canopen::describe(state.condition)),
+                      state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);
     if (changed) {
@@ -121,6 +122,26 @@ canopen::BusStatistics Plant::bus_statistics(std::size_t bus) const {
 
 const alarms::Alarm& Plant::bus_alarm(std::size_t bus) const noexcept {
   return body_->lines[bus].alarm.alarm();
+}
+
+std::vector<ActiveAlarm> Plant::active_alarms() const {
+  std::vector<ActiveAlarm> active;
+  const auto add = [&active](const ActiveAlarm& one) {
+    if (one.alarm->known && one.alarm->active) {
+      active.push_back(one);
+    }
+  };
+  for (const auto& drive : body_->drives) {
+    for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+      add({.drive = drive.get(), .kind = kind, .alarm = &drive->alarm(kind)});
+    }
+  }
+  for (std::size_t bus = 0; bus < body_->lines.size(); ++bus) {
+    add({.bus = bus, .alarm = &bus_alarm(bus)});
+  }
+  std::stable_sort(active.begin(), active.end(),
+                   [](const ActiveAlarm& a, const ActiveAlarm& b) { return a.alarm->since < b.alarm->since; });
+  return active;
 }
 
 }  // namespace process

@@ -15,6 +15,13 @@
 
 namespace process {
 
+struct ActiveAlarm {
+  const Drive* drive = nullptr;  ///< Null: it is of a bus.
+  std::size_t bus = 0;           ///< Of a bus: position in config::Model::buses.
+  alarms::AlarmKind kind{};      ///< Of a drive.
+  const alarms::Alarm* alarm = nullptr;
+};
+
 /// All drives and buses of the gateway.
 class Plant {
  public:
@@ -50,6 +57,10 @@ class Plant {
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
   [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;
   [[nodiscard]] const alarms::Alarm& bus_alarm(std::size_t bus) const noexcept;
+
+  /// All that are known and active, oldest first; those of one moment in the order of drives, kinds, buses. The
+  /// pointers hold until the next change of an alarm.
+  [[nodiscard]] std::vector<ActiveAlarm> active_alarms() const;
 
  private:
   class Body;

@@ -163,8 +163,9 @@ TimePoint InFlight::next_time(bool motion_waits) const noexcept {
 
 bool InFlight::leaves_room_for(TransmitClass transmit_class, const Frame& frame, TimePoint now) const noexcept {
   if (transmit_class == TransmitClass::stop) {
+    // A later frame proves that one has gone before it: only its echo is missing.
     return std::none_of(entries_.begin(), entries_.end(),
-                        [](const Entry& entry) { return is_motion(entry.transmit_class); });
+                        [](const Entry& entry) { return is_motion(entry.transmit_class) && !entry.passed; });
   }
   if (is_motion(transmit_class)) {
     return !forgotten_ && std::none_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {

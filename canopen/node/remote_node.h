@@ -25,6 +25,7 @@
 #include "canopen/node/pdo.h"
 #include "canopen/node/restart.h"
 #include "canopen/sdo/client.h"
+#include "canopen/sdo/stop_limit.h"
 
 namespace canopen {
 
@@ -68,7 +69,8 @@ class RemoteNode {
   /// SDO download of a stop (SdoClient::write_stop), whatever became of the node, as long as the bus is up. To one that
   /// is not online, configured and operational it is sent once; where no answer comes: `offline` with outcome_unknown,
   /// "sent, not confirmed". A boot that is under way goes on behind it.
-  boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
+                                                  const StopLimit& limit = kNoStopLimit);
   /// An SDO download of `object` is under way or went unanswered: the drive may carry it out behind an RPDO.
   [[nodiscard]] bool may_still_act(ObjectAddress object) const noexcept { return sdo_.may_still_act(object); }
   /// Departure of an NMT command. Only `start` ends the refusal to start a drive that left operational; where the drive
@@ -84,9 +86,10 @@ class RemoteNode {
   boost::asio::awaitable<Result<void>> send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
                                                  TransmitClass transmit_class, TimePoint deadline);
   /// What completes a stop by RPDO: see SdoClient::read_for_stop().
-  boost::asio::awaitable<Result<Raw>> read_for_stop(ObjectAddress object, DataType type, TimePoint deadline);
-  /// A stop under way by SDO is not waited for much longer: another one is to follow.
-  void hurry_stop(TimePoint deadline) { sdo_.hurry_stop(deadline); }
+  boost::asio::awaitable<Result<Raw>> read_for_stop(ObjectAddress object, DataType type, TimePoint deadline,
+                                                    const StopLimit& limit = kNoStopLimit);
+  /// A stop by SDO is not waited for much longer: see SdoClient::hurry_stop().
+  void hurry_stop(StopLimit& limit, TimePoint deadline) { sdo_.hurry_stop(limit, deadline); }
   /// The longest that this node took to confirm one of its newest writes.
   [[nodiscard]] Duration write_time() const noexcept { return sdo_.write_time(); }
   /// The command under way, by RPDO or SDO, never leaves where it has not left yet.

@@ -100,14 +100,14 @@ boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, Dat
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::write_stop(ObjectAddress object, DataType type, Raw raw,
-                                                            TimePoint deadline) {
+                                                            TimePoint deadline, const StopLimit& limit) {
   const Operation operation(*this);
   if (stopping_ || !bus_.state().up()) {
     co_return offline_error(object, "the bus is down");
   }
   const bool in_service = takes_commands();
   const unsigned most_sent = in_service ? SdoClient::kStopsSent : 1;
-  Result<void> result = co_await sdo_.write_stop(object, type, raw, deadline, most_sent);
+  Result<void> result = co_await sdo_.write_stop(object, type, raw, deadline, most_sent, limit);
   if (result.has_error() && result.error().kind == ErrorKind::timeout && !(in_service && takes_commands())) {
     Error told = result.error();
     told.kind = ErrorKind::offline;
@@ -116,12 +116,13 @@ boost::asio::awaitable<Result<void>> RemoteNode::write_stop(ObjectAddress object
   co_return result;
 }
 
-boost::asio::awaitable<Result<Raw>> RemoteNode::read_for_stop(ObjectAddress object, DataType type, TimePoint deadline) {
+boost::asio::awaitable<Result<Raw>> RemoteNode::read_for_stop(ObjectAddress object, DataType type, TimePoint deadline,
+                                                              const StopLimit& limit) {
   const Operation operation(*this);
   if (!takes_commands()) {
     co_return offline_error(object, "the drive is not online and operational");
   }
-  co_return co_await sdo_.read_for_stop(object, type, deadline);
+  co_return co_await sdo_.read_for_stop(object, type, deadline, limit);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,

@@ -226,6 +226,7 @@ void SdoClient::interrupt() {
   const Error why{.kind = ErrorKind::offline, .detail = kInterrupted};
   line_.call_off({SdoLine::Kind::transfer, SdoLine::Kind::command}, why);
   answered_ = false;
+  ++interruptions_;
   abort_.reset();
   if (exchange_ != nullptr && !(exchange_->is_stop() && exchange_->waits_to_leave())) {
     exchange_->interrupt(why);
@@ -253,9 +254,10 @@ SdoTransfer SdoClient::download(ObjectAddress object, DataType type, Raw raw) co
   return SdoTransfer::download(channel_.settings, object, std::span<const std::uint8_t>(data).first(length));
 }
 
-void SdoClient::send_abort(const SdoFrame& abort) {
+void SdoClient::send_abort(const SdoFrame& abort, TransmitClass transmit_class) {
+  aborted_ = abort;
   const Frame frame = sdo_request_frame(channel_.node, abort);
-  abort_ = channel_.bus.send(TransmitClass::sdo, frame, Clock::now() + TransmitQueue::kLifeTime);
+  abort_ = channel_.bus.send(transmit_class, frame, Clock::now() + TransmitQueue::kLifeTime);
 }
 
 Error SdoClient::addressed(Error error, ObjectAddress object) const {

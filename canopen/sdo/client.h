@@ -19,6 +19,7 @@
 #include "canopen/sdo/exchange.h"
 #include "canopen/sdo/line.h"
 #include "canopen/sdo/sdo_settings.h"
+#include "canopen/sdo/stop_limit.h"
 #include "canopen/sdo/transfer.h"
 #include "canopen/sdo/unanswered.h"
 #include "canopen/sdo/write_times.h"
@@ -83,15 +84,18 @@ class SdoClient {
   /// An answer counts only if it cannot be that to an older request for the same object. Where one may be, it is taken
   /// for that, and the stop is sent again, up to `most_sent` times in all: as a server answers in order, one more
   /// answer than there were older requests proves that a stop was carried out behind them. The same once where another
-  /// client asked the node meanwhile. Without such an answer by `deadline`: `timeout`, outcome_unknown, "sent, not
-  /// confirmed".
+  /// client asked the node meanwhile. Without such an answer by `deadline`, or by `limit`, which outlives the call:
+  /// `timeout`, outcome_unknown, "sent, not confirmed".
   boost::asio::awaitable<Result<void>> write_stop(ObjectAddress object, DataType type, Raw raw, TimePoint deadline,
-                                                  unsigned most_sent = kStopsSent);
+                                                  unsigned most_sent = kStopsSent,
+                                                  const StopLimit& limit = kNoStopLimit);
 
-  /// Upload for the sake of a stop: in its lane, tried once, until `deadline`.
-  boost::asio::awaitable<Result<Raw>> read_for_stop(ObjectAddress object, DataType type, TimePoint deadline);
-  /// Another stop waits: the one under way has 100 ms more for its answer.
-  void hurry_stop(TimePoint deadline);
+  /// Upload for the sake of a stop: in its lane, tried once, until `deadline` or `limit`, which outlives the call.
+  boost::asio::awaitable<Result<Raw>> read_for_stop(ObjectAddress object, DataType type, TimePoint deadline,
+                                                    const StopLimit& limit = kNoStopLimit);
+  /// A newer stop, to be sent by `deadline`, waits for the one of `limit`, be that under way or just to begin: it has
+  /// 100 ms more for all its answers.
+  void hurry_stop(StopLimit& limit, TimePoint deadline);
 
   /// Fails what is under way or waits with `offline`; what has not left is withdrawn. But a stop that has not left
   /// stays and goes; the outcome of one that has is unknown. The client can be used again at once.
@@ -124,6 +128,7 @@ class SdoClient {
   /// Whether no late answer for `object` can come any more.
   boost::asio::awaitable<bool> prove(ObjectAddress object, TimePoint until);
   boost::asio::awaitable<void> carry_out(SdoExchange& exchange);
+  boost::asio::awaitable<void> carry_out_stop(SdoExchange& exchange, const StopLimit& limit);
   /// What is under way ends soon, for a stop that is to be sent by `deadline`.
   void make_way(TimePoint deadline);
 
@@ -139,7 +144,9 @@ class SdoClient {
   /// Whether the answer that ended a stop can only be that to a stop; where not, it counts as one of the `older`.
   bool settles(const SdoExchange& stop, Unanswered::Count& older);
   [[nodiscard]] Error not_confirmed(const SdoExchange& stop) const;
-  void send_abort(const SdoFrame& abort);
+  void send_abort(const SdoFrame& abort, TransmitClass transmit_class = TransmitClass::sdo);
+  /// The abort of a transfer before a stop leaves before it, or not at all any more.
+  void send_abort_first();
   [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
   SdoExchange::Channel channel_;
@@ -148,7 +155,10 @@ class SdoClient {
 
   SdoLine line_;
   SdoExchange* exchange_ = nullptr;  ///< Under way.
-  Ticket abort_;                     ///< The newest abort of ours.
+  const StopLimit* stop_ = nullptr;  ///< The limit of that, where it is a stop's.
+  Ticket abort_;                     ///< The newest abort of ours,
+  SdoFrame aborted_{};               ///< and what it says.
+  std::uint64_t interruptions_ = 0;  ///< How often it was interrupted.
   Unanswered unanswered_;
   WriteTimes write_times_;
   bool answered_ = false;

@@ -12,21 +12,29 @@ namespace {
 // So long what is under way may hold a stop back: some drives need 100 ms for an answer, and such a one still counts.
 constexpr Duration kStopPatience = std::chrono::milliseconds(101);
 
+// Half of the stop's own time at most.
+TimePoint end_of_patience(TimePoint deadline) {
+  const TimePoint now = Clock::now();
+  return now + std::min(kStopPatience, (deadline - now) / 2);
+}
+
 }  // namespace
 
 boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object, DataType type, Raw raw,
-                                                           TimePoint deadline, unsigned most_sent) {
+                                                           TimePoint deadline, unsigned most_sent,
+                                                           const StopLimit& limit) {
+  const std::uint64_t life = interruptions_;
   SdoLine::Place place(line_, SdoLine::Kind::stop, Clock::now());
   make_way(deadline);
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  abort_.reset();
+  send_abort_first();
   Unanswered::Count older = unanswered_.count(object);
   bool disturbed = false;
   for (unsigned sent = 1;; ++sent) {
     SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::stop, deadline, unanswered_.any());
-    co_await carry_out(exchange);
+    co_await carry_out_stop(exchange, limit);
     if (exchange.answered() && settles(exchange, older)) {
       for (unsigned others = 1; others < sent; ++others) {
         unanswered_.note(object, false);
@@ -34,7 +42,9 @@ boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object,
       co_return outcome(exchange, true);
     }
     const bool again = exchange.answered() || (exchange.disturbed() && !disturbed);
-    if (!again || sent >= most_sent || Clock::now() >= deadline) {
+    // Once to a node that was lost or booted meanwhile, and to none that is served no more.
+    const unsigned most = life == interruptions_ ? most_sent : 1;
+    if (!again || place.called_off() || sent >= most || Clock::now() >= std::min(deadline, limit.until)) {
       const bool never_sent = sent == 1 && exchange.error() && exchange.error()->not_sent;
       co_return never_sent ? *exchange.error() : not_confirmed(exchange);
     }
@@ -45,28 +55,46 @@ boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object,
   }
 }
 
-boost::asio::awaitable<Result<Raw>> SdoClient::read_for_stop(ObjectAddress object, DataType type, TimePoint deadline) {
+boost::asio::awaitable<Result<Raw>> SdoClient::read_for_stop(ObjectAddress object, DataType type, TimePoint deadline,
+                                                             const StopLimit& limit) {
   SdoLine::Place place(line_, SdoLine::Kind::stop, Clock::now());
   make_way(deadline);
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  abort_.reset();
+  send_abort_first();
   // The answer to an older read of it may come first; the next one is ours, or as new.
   const int reads = unanswered_.contains(object) ? 2 : 1;
   Result<Bytes> bytes = Error{};
   for (int read = 0; read < reads && (read == 0 || bytes.has_value()); ++read) {
     SdoExchange exchange(channel_, upload(object, byte_length(type)), TransmitClass::stop, deadline, unanswered_.any());
-    co_await carry_out(exchange);
+    co_await carry_out_stop(exchange, limit);
     bytes = result(exchange, object);
   }
   co_return raw_of(bytes, object, type);
 }
 
-void SdoClient::hurry_stop(TimePoint deadline) {
-  if (exchange_ != nullptr && exchange_->is_stop()) {
-    const TimePoint now = Clock::now();
-    exchange_->hurry(now + std::min(kStopPatience, (deadline - now) / 2));
+boost::asio::awaitable<void> SdoClient::carry_out_stop(SdoExchange& exchange, const StopLimit& limit) {
+  if (limit.until != kNever) {
+    exchange.hurry(limit.until);
+  }
+  stop_ = &limit;
+  co_await carry_out(exchange);
+  stop_ = nullptr;
+}
+
+void SdoClient::hurry_stop(StopLimit& limit, TimePoint deadline) {
+  limit.until = std::min(limit.until, end_of_patience(deadline));
+  if (stop_ == &limit) {
+    exchange_->hurry(limit.until);
+  }
+}
+
+/// A server in the middle of a segmented transfer would take the stop for a protocol error of that one, and refuse it
+/// (CiA 301 §7.2.4.3). Of the class of stops, which keep their order, it leaves before the stop.
+void SdoClient::send_abort_first() {
+  if (abort_.waiting()) {
+    send_abort(aborted_, TransmitClass::stop);
   }
 }
 
@@ -75,8 +103,7 @@ void SdoClient::make_way(TimePoint deadline) {
     return;
   }
   line_.call_off_held_command({.kind = ErrorKind::timeout, .not_sent = true, .detail = "not sent: a stop goes first"});
-  const TimePoint now = Clock::now();
-  exchange_->hurry(now + std::min(kStopPatience, (deadline - now) / 2));
+  exchange_->hurry(end_of_patience(deadline));
 }
 
 bool SdoClient::settles(const SdoExchange& stop, Unanswered::Count& older) {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "bridges/mqtt/command.h"
-#include "bridges/process/command_checks.h"
 #include "bridges/process/stop_all.h"
 #include "daemon/control/answer.h"
 #include "daemon/control/status_json.h"
@@ -33,9 +32,8 @@ std::string no_drive(const Asked& asked) {
   return refusal(asked.id, {.kind = ErrorKind::unknown, .detail = "no drive \"" + asked.request.drive + "\""});
 }
 
-// Who may not write is told that, and nothing else about his command.
-std::string refused(const Asked& asked, const Drive& drive, const Error& error) {
-  return refusal(asked.id, process::refuse_writer(drive.model(), writer_of(asked)).value_or(error));
+std::string refused(const Asked& asked, Drive& drive, const Error& error) {
+  return told_outcome(asked.id, drive.refuse(origin_of(asked), error));
 }
 
 Scalar text(const std::string& characters) {

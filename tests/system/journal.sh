@@ -7,10 +7,19 @@ rounds=${1:-20}
 seed=${2:-$RANDOM}
 RANDOM=$seed
 say "$rounds rounds, seed $seed"
-sed "/^\[gateway\]/a state_dir = \"$work/state\"" "$root/tests/system/gateway.toml" >"$work/gateway.toml"
+# pump1 and hoist1 are the drives that are commanded; the others would only take the guest's time.
+sed "/^\[gateway\]/a state_dir = \"$work/state\"" "$root/tests/system/gateway.toml" |
+  awk 'BEGIN {RS = "\\[\\[drive\\]\\]\n"} NR == 1 {printf "%s", $0} /^name = "(pump1|hoist1)"/ {printf "[[drive]]\n%s", $0}' \
+    >"$work/gateway.toml"
 journal=$work/state/journal
 
 verify() { "$gateway_bin" journal verify --config "$work/gateway.toml" --profile-dir "$root/config/profiles" "$@"; }
+
+# The commanders start no process for each command: that takes longer than all that the gateway does of it, and the guest
+# has one processor. pause SECONDS: nobody ever writes there.
+mkfifo "$work/nothing"
+exec 6<>"$work/nothing"
+pause() { read -rt "$1" -u 6 _; }
 
 # Runs and stops in turn, each with a frequency of its own by which its frame is known. The word is the drive's run or stop.
 set_points() {
@@ -19,23 +28,32 @@ set_points() {
     raw=$((raw % 4998 + 1))
     printf '{"frequency_command":%d.%02d,"torque_command":0.0,"control_command":%d}\n' \
       $((raw / 100)) $((raw % 100)) $((raw % 2 ? 1 : 5))
-    sleep 0.03
+    pause 0.03
   done
 }
+# Register 100 of hoist1, function 6. Answers hold zeros, which `read` leaves out, so it takes what is there and goes on
+# when its time is over; it ends early where the gateway has gone.
 run_and_stop() {
   local word=1
+  trap '' PIPE
   while :; do
-    write_registers 7 100 "$word" >/dev/null
-    word=$((word == 1 ? 5 : 1))
-    sleep 0.05
+    if { exec 8<>"/dev/tcp/127.0.0.1/$modbus_port"; } 2>/dev/null; then
+      while printf '\0\1\0\0\0\6\7\6\0\144\0\'"$word" >&8; do
+        word=$((word == 1 ? 5 : 1))
+        read -rt 0.05 -N 64 -u 8 _
+        [ $? -gt 128 ] || break
+      done 2>/dev/null
+      exec 8>&-
+    fi
+    pause 0.05
   done
 }
 
 start_broker
 start_trace
-start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_drives --drive veichi-ac310:5 --drive invt-goodrive600:7
 start_gateway
-wait_until 10 "all four drives online" register_is 0 2 4
+wait_until 10 "both drives online" register_is 0 2 2
 expect "hoist1: its frequency" written "$(write_registers 7 101 3000)"
 mkfifo "$work/set_points"
 set_points >"$work/set_points" &
@@ -48,9 +66,8 @@ started[run_and_stop]=$!
 lines=0
 for round in $(seq "$rounds"); do
   [ "$round" = 1 ] || start_gateway
-  wait_until 10 "the drives are back" register_is 0 2 4
-  sleep "$((RANDOM % 10))e-1"
-  sleep "$((RANDOM % 100))e-3"
+  wait_until 10 "the drives are back" register_is 0 2 2
+  pause "0.$((RANDOM % 5))$((RANDOM % 10))$((RANDOM % 10))"
   kill -9 "${started[gateway]}"
   wait "${started[gateway]}" 2>/dev/null
   verify >"$work/verify.out" 2>"$work/verify.err"

@@ -160,5 +160,35 @@ wait $background
 expect "run without a reader of its log: exit code" 0 $?
 background=
 
+# --- Whoever sees the first line may end it: findings that fill their pipe hold it between this line and its event loop.
+{
+  printf '[gateway]\nstate_dir = "%s/state"\n[mqtt]\n[[bus]]\nname = "can0"\ninterface = "virtual"\n' "$work"
+  for node in {1..120}; do
+    printf '[[drive]]\nname = "a-drive-with-a-long-name%s"\nnode = %s\nprofile = "cia402-velocity"\n' \
+      "$node" "$node"
+    printf '[drive.commands]\nwriters = ["mqtt", "modbus"]\n'
+  done
+} >many.toml
+"${gateway[@]}" check --config many.toml >out 2>err
+expect "many.toml has warnings and no error" "1 yes" \
+  "$(grep -c '^ok: ' out) $([ "$(cat out err | wc -c)" -gt 70000 ] && echo yes)"  # a pipe holds 65536 bytes
+ended_early() {  # ended_early COMMAND SIGNAL...: told by these signals when its first line is there
+  local command=$1 signal
+  shift
+  "${gateway[@]}" "$command" --config many.toml >out 2>log </dev/null &
+  background=$!
+  exec 7<log
+  read -r -t 20 _ <&7
+  for signal; do kill "-$signal" $background; done
+  cat <&7 >err
+  wait $background
+  expect "$command ended at its first line: exit code" 0 $?
+  exec 7<&-
+  background=
+}
+ended_early run HUP TERM
+expect_lines "run ended at its first line: it heard the hang-up" 1 'reload is not supported' err
+ended_early demo TERM
+
 [ $failed = 0 ] && echo "passed, $count expectations"
 exit $failed

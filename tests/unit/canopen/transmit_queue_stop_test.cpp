@@ -114,5 +114,18 @@ TEST_F(TransmitQueueStopTest, AFullQueueMakesRoomForAStop) {
   EXPECT_EQ(sent_ids().front(), 0x205U);
 }
 
+// The echo of a command was lost, and our heartbeat proves that it has gone.
+TEST_F(TransmitQueueStopTest, AStopGoesOnceTheCommandBeforeItIsProvenGone) {
+  see_life();
+  push(TransmitClass::command, frame(0x205, 1));
+  advance(21ms);
+  push(TransmitClass::stop, frame(0x205, 0));
+  push(TransmitClass::control, frame(0x77F));
+  echo(frame(0x77F));
+  EXPECT_EQ(link.sent.back(), frame(0x205, 0));
+  advance(78ms);
+  EXPECT_EQ(link.sent.back(), frame(0x205, 0)) << "99 ms later";
+}
+
 }  // namespace
 }  // namespace canopen

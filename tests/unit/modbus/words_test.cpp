@@ -30,9 +30,8 @@ std::vector<std::uint16_t> shown(const config::Signal& what, Raw raw, WordOrder 
   return words;
 }
 
-std::optional<Raw> written(const config::Signal& what, std::string_view bytes, WordOrder order = WordOrder::big) {
-  const auto value = modbus::value_of(what, hex(bytes), order);
-  return value ? std::optional(std::get<Raw>(*value)) : std::nullopt;
+Raw written(const config::Signal& what, std::string_view bytes, WordOrder order = WordOrder::big) {
+  return std::get<Raw>(modbus::value_of(what, hex(bytes), order));
 }
 
 Raw raw_of(std::int64_t number) {
@@ -86,21 +85,21 @@ TEST(Words, WrittenWordsBecomeRawValues) {
   EXPECT_EQ(written(signal(DataType::f32, 2), "3fc0 0000"), Raw{0x3FC00000});
 }
 
-TEST(Words, WhatTheTypeCanNotHoldIsNoValue) {
+TEST(Words, WhatTheTypeCanNotHoldIsLeftToTheArbiter) {
   EXPECT_EQ(written(signal(DataType::u8, 1), "00ff"), Raw{255});
-  EXPECT_EQ(written(signal(DataType::u8, 1), "0100"), std::nullopt);
+  EXPECT_EQ(written(signal(DataType::u8, 1), "0100"), Raw{0x100});
   EXPECT_EQ(written(signal(DataType::i8, 1), "ff80"), raw_of(-128));
-  EXPECT_EQ(written(signal(DataType::i8, 1), "ff7f"), std::nullopt);
-  EXPECT_EQ(written(signal(DataType::i8, 1), "0080"), std::nullopt);
+  EXPECT_EQ(written(signal(DataType::i8, 1), "ff7f"), raw_of(-129));
+  EXPECT_EQ(written(signal(DataType::i8, 1), "0080"), raw_of(128));
   EXPECT_EQ(written(signal(DataType::boolean, 1), "0001"), Raw{1});
-  EXPECT_EQ(written(signal(DataType::boolean, 1), "0002"), std::nullopt);
+  EXPECT_EQ(written(signal(DataType::boolean, 1), "0002"), Raw{2});
 }
 
 double number_of(float number) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(number);
   const modbus_test::Bytes bytes{static_cast<std::uint8_t>(bits >> 24), static_cast<std::uint8_t>(bits >> 16),
                                  static_cast<std::uint8_t>(bits >> 8), static_cast<std::uint8_t>(bits)};
-  return std::get<double>(modbus::value_of(signal(DataType::u16, 2, true, 0.01), bytes, WordOrder::big).value());
+  return std::get<double>(modbus::value_of(signal(DataType::u16, 2, true, 0.01), bytes, WordOrder::big));
 }
 
 TEST(Words, AFloatIsTheDecimalNumberThatIsMeantByIt) {

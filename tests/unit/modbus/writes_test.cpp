@@ -117,6 +117,38 @@ TEST_F(Writes, OutOfRangeIsRefusedNotClamped) {
   EXPECT_EQ(puppet().written[0].raw, 0x80U);
 }
 
+// A drive whose jog speed, an INTEGER8, stands beside the command; 5 stops it.
+config::Model with_narrow_neighbour() {
+  config::Model model = example_model();
+  model.drives[0].node.motor.stops = {{0xFFFF, 5}};
+  for (config::Signal& signal : model.drives[0].signals) {
+    if (signal.object == kJogObject) {
+      signal.modbus.address = 102;
+    }
+  }
+  return model;
+}
+
+TEST(WritesBesideAStop, WhatTheTypeCanNotHoldIsNotSentAndTheStopIs) {
+  Site site(with_narrow_neighbour());
+  site.bring_up();
+  site.puppet().written.clear();
+  EXPECT_EQ(site.ask("10 0064 0003 06 0005 0000 012c"), "90 03");
+  ASSERT_EQ(site.puppet().rpdos.size(), 1U);
+  EXPECT_EQ(site.puppet().rpdos[0].data[0], 5);
+  EXPECT_TRUE(site.puppet().written.empty());
+  EXPECT_EQ(site.ask("03 0064 0003"), "03 06 0005 0000 0000");
+}
+
+TEST(WritesBesideAStop, WithoutAStopNothingIsSent) {
+  Site site(with_narrow_neighbour());
+  site.bring_up();
+  site.puppet().written.clear();
+  EXPECT_EQ(site.ask("10 0064 0003 06 0003 0000 012c"), "90 03");
+  EXPECT_EQ(site.ask("10 0064 0003 06 0105 0000 012c"), "90 03") << "0x0105 is no stop";
+  EXPECT_TRUE(nothing_sent(site.puppet()));
+}
+
 TEST_F(Writes, WhatTakesNoValueIsNoAddress) {
   for (const char* const pdu : {"06 0000 0001", "06 0001 0001", "06 0066 0001", "06 00ce 0001", "06 ffff 0001"}) {
     EXPECT_EQ(ask(pdu), "86 02") << pdu;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/process/answer.h"
 #include "bridges/process/command_journal.h"
 #include "tests/support/spawn.h"
 #include "tests/unit/mqtt/plant_site.h"
@@ -41,9 +42,13 @@ config::Model without_mqtt() {
 class Ids final : public process::CommandJournal {
  public:
   boost::asio::awaitable<void> begun(const process::CommandRecord&) override { co_return; }
-  void done(const process::CommandRecord& record, const process::Outcome&) override { ids.push_back(record.id); }
+  void done(const process::CommandRecord& record, const process::Outcome& outcome) override {
+    ids.push_back(record.id);
+    codes.push_back(outcome.has_value() ? "ok" : std::string(process::answer_of(outcome.error().kind).mqtt_code));
+  }
 
   std::vector<std::string> ids;
+  std::vector<std::string> codes;
 };
 
 class Site {
@@ -244,6 +249,49 @@ TEST(CommandOrder, StopsAreKnownBeforeTheirTurnComes) {
   }
   Site forbidden(without_mqtt());
   EXPECT_FALSE(is_stop(forbidden, stops[1])) << "it will be refused";
+}
+
+TEST(CommandOrder, WhatTheBridgeRefusesItselfStandsInTheJournalAsItIsTold) {
+  for (const bool leased : {false, true}) {
+    Ids journal;
+    Site there(cia402_model());
+    if (leased) {
+      there.lease_to_modbus();
+    }
+    there.site.plant().drive(0).set_journal(&journal);
+    std::vector<std::string> told;
+    for (Incoming mistake : kMistakes) {
+      told.push_back(there.code(mistake));
+      mistake.retained = true;
+      told.push_back(there.code(mistake));
+    }
+    const Incoming closed_topic{
+        .topic = "pump1/frequency_command/set", .payload = "30.0", .response_topic = kRoot + "pump1/set"};
+    told.push_back(there.code(closed_topic));
+    EXPECT_EQ(journal.codes, told);
+    EXPECT_EQ(told[0], leased ? "lease" : "type");
+    EXPECT_EQ(told.back(), "forbidden");
+  }
+}
+
+TEST(CommandOrder, ARepetitionStandsInTheJournal) {
+  Ids journal;
+  Site there(cia402_model());
+  there.site.plant().drive(0).set_journal(&journal);
+  const Incoming command{.topic = "pump1/frequency_command/set", .payload = R"({"value":30.0,"id":"a1"})"};
+  there.code(command);
+  EXPECT_EQ(there.code(command), "duplicate");
+  EXPECT_EQ(journal.codes, (std::vector<std::string>{"ok", "duplicate"}));
+  EXPECT_EQ(journal.ids, (std::vector<std::string>{"a1", "a1"}));
+}
+
+TEST(CommandOrder, WhatNamesNoDriveOrReadsIsNoLineOfTheJournal) {
+  Ids journal;
+  Site there(cia402_model());
+  there.site.plant().drive(0).set_journal(&journal);
+  EXPECT_EQ(there.code({.topic = "pump9/frequency_command/set", .payload = "30.0"}), "unknown");
+  EXPECT_EQ(there.code({.topic = "pump1/sdo/request", .payload = R"({"op":"read","object":"here"})"}), "type");
+  EXPECT_EQ(journal.codes, std::vector<std::string>{});
 }
 
 TEST(CommandOrder, TheIdOfTheClientIsThatOfTheCommand) {

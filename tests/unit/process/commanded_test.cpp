@@ -115,7 +115,7 @@ TEST_F(CommandedTest, WhereNobodyCanTellWhetherTheMotorTurnsAControlCommandDoesN
 
 TEST_F(CommandedTest, AnUnknownOutcomeUnknowsItsFieldsOnly) {
   by_rpdo(kRun);
-  commanded_.doubt(std::vector{control(kCoast)}, now_ + kTick);
+  commanded_.doubt(std::vector{control(kCoast)}, commanded_.epoch(), now_ + kTick);
   EXPECT_EQ(commanded_.shown(control_), kRun);
   EXPECT_FALSE(commanded_.counts(control_));
   EXPECT_EQ(commanded_.held(control_), std::nullopt);
@@ -135,7 +135,7 @@ TEST_F(CommandedTest, AnUnknownOutcomeUnknowsItsFieldsOnly) {
 TEST_F(CommandedTest, AnUnknownOutcomeOfAnotherRpdoEndsNoRepetition) {
   by_rpdo(kRun);
   confirm({limit(50)}, 2);
-  commanded_.doubt(std::vector{limit(60)}, now_);
+  commanded_.doubt(std::vector{limit(60)}, commanded_.epoch(), now_);
   EXPECT_EQ(repeated(2), std::nullopt);
   EXPECT_EQ(repeated(1), (std::vector<Raw>{kRun, 3000, 7}));
 }

@@ -200,5 +200,39 @@ TEST_F(NewestWinsTest, AReadableSignalIsReadBackAtOnceAndShowsWhatWasWrittenUnti
   EXPECT_NE(observer_.remarks.back().find("upper_limit was written and confirmed as 4000"), std::string::npos);
 }
 
+// A waiting set-point of the same writer is older than that beside his stop.
+TEST_F(NewestWinsTest, ASetPointBesideAStopIsNotReplacedByAnOlderOne) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(20ms);
+  const Sent slow = write({field("upper_limit", Raw{4000})});
+  run(2ms);
+  const Sent older = write({field("frequency_command", 50.0)});
+  run(1ms);
+  const Sent stop =
+      write({field("control_command", Raw{5}), field("frequency_command", 10.0), field("torque_command", 0.0)});
+  EXPECT_TRUE(finish(stop, 500ms).has_value());
+  run(200ms);
+  ASSERT_TRUE(older.done());
+  EXPECT_TRUE(older.get().has_error()) << "written whole by a later command of its writer";
+  EXPECT_EQ(drive_->commanded().shown(signal("frequency_command")), 1000U);
+  finish(slow, 100ms);
+}
+
+TEST_F(NewestWinsTest, ASetPointThatIsLeftOutOfAStopReplacesNone) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.delay_answers(20ms);
+  const Sent slow = write({field("upper_limit", Raw{4000})});
+  run(2ms);
+  const Sent older = write({field("frequency_command", 20.0)});
+  run(1ms);
+  const Sent stop = write({field("control_command", Raw{5}), field("frequency_command", 9999.0)});
+  expect_refused(finish(stop, 500ms), ErrorKind::range);
+  EXPECT_TRUE(finish(older, 500ms).has_value());
+  EXPECT_EQ(slave_.value(test::kFrequency), 2000U);
+  finish(slow, 100ms);
+}
+
 }  // namespace
 }  // namespace process

@@ -86,5 +86,32 @@ TEST_F(PlantTest, BusStateAndAlarm) {
   EXPECT_EQ(plant_->bus_statistics(0).frames_sent, 42U);
 }
 
+TEST_F(PlantTest, ListsWhatIsActiveOldestFirst) {
+  EXPECT_TRUE(plant_->active_alarms().empty());
+  slave_.set({0x1000, 0}, canopen::DataType::u32, 0);
+  slave_.set({0x1001, 0}, canopen::DataType::u8, 0);
+  slave_.set({0x1017, 0}, canopen::DataType::u16, 500);
+  plant_->start();
+  slave_.boot_up();
+  loop_.advance(2500ms);
+  ASSERT_TRUE(plant_->drive(0).status().online);
+  plant_->set_bus_state(0, {BusCondition::passive, 128, 0});
+  loop_.advance(1ms);
+  slave_.send(0x085, {0x10, 0x23, 0x01, 0, 0, 0, 0, 0});
+  loop_.advance(1ms);
+  std::vector<ActiveAlarm> active = plant_->active_alarms();
+  std::erase_if(active, [](const ActiveAlarm& one) { return one.kind == alarms::AlarmKind::data; });
+  ASSERT_EQ(active.size(), 3U);
+  EXPECT_EQ(active[0].drive, &plant_->drive(1));
+  EXPECT_EQ(active[0].kind, alarms::AlarmKind::heartbeat);
+  EXPECT_EQ(active[0].alarm, &plant_->drive(1).alarm(alarms::AlarmKind::heartbeat));
+  EXPECT_EQ(active[1].drive, nullptr);
+  EXPECT_EQ(active[1].bus, 0U);
+  EXPECT_EQ(active[1].alarm, &plant_->bus_alarm(0));
+  EXPECT_EQ(active[2].drive, &plant_->drive(0)) << "the youngest, though of the first drive";
+  EXPECT_EQ(active[2].kind, alarms::AlarmKind::emcy);
+  EXPECT_EQ(active[2].alarm->code, 0x2310);
+}
+
 }  // namespace
 }  // namespace process

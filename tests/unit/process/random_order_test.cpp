@@ -17,8 +17,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
+struct RandomOrderCase {
+  const char* name;
+  bool slow;        ///< Answers of the drive.
+  bool supervised;  ///< Its RPDO: it is repeated.
+};
+
 /// Runs of two writers, set-points and stops of a third in random order, each run with a word of its own.
-class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface<bool> {
+class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface<RandomOrderCase> {
  protected:
   struct Given {
     Sent sent;
@@ -27,7 +33,12 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
     bool told = false;
   };
 
-  RandomOrderTest() { model_.commands.deadline = 400ms; }
+  RandomOrderTest() {
+    model_.commands.deadline = 400ms;
+    if (GetParam().supervised) {
+      model_.node.rpdos[0].event_timer = std::uint16_t{20};
+    }
+  }
 
   void tick() {
     run(1ms);
@@ -40,6 +51,8 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
     for (; heard_ < heard.size(); ++heard_) {
       const canopen::Frame& frame = heard[heard_];
       if (frame.id == kRpdo1) {
+        ++by_rpdo_;
+        expect_no_older_run(word_at(frame, 0));
         note(word_at(frame, 0), canopen::Clock::now());
       } else if (is_control_write(frame)) {
         note(word_at(frame, 4), canopen::Clock::now() + delay_ - 1ms);
@@ -65,6 +78,11 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
           << "run " << word << " is on the bus after a newer stop was confirmed";
     }
     effects_.emplace(at, word);
+  }
+  /// What was handed over before the stop came may leave yet.
+  void expect_no_older_run(Raw word) const {
+    const bool came = stop_came_ && canopen::Clock::now() > *stop_came_ + kHandedOver;
+    EXPECT_FALSE(came && word != kStop && word <= before_stop_) << "run " << word << " by RPDO after a newer stop came";
   }
   void check(const char* what) const {
     EXPECT_FALSE(stopped_ && holds_ != kStop && holds_ <= *stopped_)
@@ -95,6 +113,10 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
     }
     const bool stop = kind < 3;
     const Raw word = stop ? kStop : next_word_;
+    if (stop) {
+      before_stop_ = next_word_ - 1;
+      stop_came_ = canopen::Clock::now();
+    }
     fields.push_back(field("control_command", word));
     if (kind == 2 || kind == 8) {
       fields.push_back(field("frequency_command", 10.0));
@@ -131,25 +153,31 @@ class RandomOrderTest : public StopFirstTest, public testing::WithParamInterface
     slave_.forget_heard();
     heard_ = 0;
     stopped_.reset();
+    stop_came_.reset();
     holds_ = 0;
   }
+
+  static constexpr Duration kHandedOver = 2ms;
 
   Duration delay_{};
   std::size_t heard_ = 0;
   std::multimap<canopen::TimePoint, Raw> effects_;
   std::vector<Raw> on_bus_;
   std::vector<Given> given_;
-  std::optional<Raw> stopped_;  ///< Runs up to this word are older than a confirmed stop.
+  std::optional<Raw> stopped_;                   ///< Runs up to this word are older than a confirmed stop.
+  std::optional<canopen::TimePoint> stop_came_;  ///< The newest one,
+  Raw before_stop_ = 0;                          ///< and the newest run before it.
   Raw next_word_ = 100;
   Raw holds_ = 0;
   int by_sdo_ = 0;
+  int by_rpdo_ = 0;
   std::map<std::string, int> outcomes_;
 };
 
 TEST_P(RandomOrderTest, AfterAConfirmedStopNoOlderRunIsOnTheBusOrTakesEffect) {
   bring_online();
   show(test::kRunningBit);
-  const bool slow = GetParam();
+  const bool slow = GetParam().slow;
   for (unsigned seed = 1; seed <= 1000 && !HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
@@ -173,13 +201,17 @@ TEST_P(RandomOrderTest, AfterAConfirmedStopNoOlderRunIsOnTheBusOrTakesEffect) {
     expect_nothing_superseded_on_the_bus();
   }
   EXPECT_GE(by_sdo_, 500) << "a test of nothing";
+  EXPECT_GE(by_rpdo_, GetParam().supervised ? 5000 : 500) << "a test of nothing";
   EXPECT_GE(outcomes_["run superseded"], 100) << testing::PrintToString(outcomes_);
   EXPECT_GE(outcomes_["run ok"], 500) << testing::PrintToString(outcomes_);
   EXPECT_GE(outcomes_["stop ok"], 500) << testing::PrintToString(outcomes_);
 }
 
-INSTANTIATE_TEST_SUITE_P(SdoTask, RandomOrderTest, testing::Bool(),
-                         [](const auto& each) { return each.param ? "Slow" : "Prompt"; });
+INSTANTIATE_TEST_SUITE_P(SdoTask, RandomOrderTest,
+                         testing::Values(RandomOrderCase{"Prompt", false, false}, RandomOrderCase{"Slow", true, false},
+                                         RandomOrderCase{"PromptSupervised", false, true},
+                                         RandomOrderCase{"SlowSupervised", true, true}),
+                         [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
 }  // namespace process

@@ -332,5 +332,17 @@ TEST_F(CommandsTest, WhatHasAnUnknownOutcomeDoesNotCount) {
   EXPECT_TRUE(drive_->commanded().doubtful_at(signal("frequency_command")));
 }
 
+// One of two faults has gone (CiA 301: the error register is not 0), then the other one.
+TEST_F(CommandsTest, ARunCommandedBetweenTheEndsOfTwoFaultsIsVoidAfterTheSecond) {
+  bring_online();
+  run_motor();
+  emcy(0x0004, 0x05);
+  emcy(0x0005, 0x05);
+  emcy(0x0000, 0x04);
+  EXPECT_TRUE(write_all(1, 30.0).has_value());
+  emcy(0x0000, 0x00);
+  EXPECT_FALSE(drive_->commanded().counts(signal("control_command")));
+}
+
 }  // namespace
 }  // namespace process
