@@ -133,8 +133,8 @@ const SectionOf<EmcyKeys>& emcy_section() {
            .note("none"),
        Field("error_register", &EmcyKeys::error_register, boolean(), "0x1001 is read after a boot."),
        Field("error_field", &EmcyKeys::error_field, boolean(), "0x1003 is read for the names of active errors."),
-       Field::later("enable", "true or false", "false",
-                    "0x1014 may be written where emergencies are switched off or moved there.")});
+       Field("enable", setting(&EmcySettings::enable), boolean(),
+             "0x1014 may be written where emergencies are switched off or moved there.")});
   return section;
 }
 
