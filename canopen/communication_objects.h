@@ -11,6 +11,7 @@ inline constexpr ObjectAddress kErrorRegister{0x1001, 0};
 inline constexpr ObjectAddress kNewestError{0x1003, 1};
 inline constexpr ObjectAddress kGuardTime{0x100C, 0};
 inline constexpr ObjectAddress kLifeTimeFactor{0x100D, 0};
+inline constexpr ObjectAddress kEmcyCobId{0x1014, 0};
 inline constexpr ObjectAddress kConsumerHeartbeat{0x1016, 1};
 inline constexpr ObjectAddress kProducerHeartbeat{0x1017, 0};
 

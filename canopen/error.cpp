@@ -131,6 +131,12 @@ std::string_view abort_text(std::uint32_t code) noexcept {
   return "unknown abort code";
 }
 
+bool is_absent(const Error& error) noexcept {
+  constexpr std::uint32_t kNoObject = 0x06020000;
+  constexpr std::uint32_t kNoSubIndex = 0x06090011;
+  return error.kind == ErrorKind::refused && (error.abort == kNoObject || error.abort == kNoSubIndex);
+}
+
 void throw_exception_from_error(const Error& error, const boost::source_location& where) {
   boost::throw_exception(std::runtime_error(to_string(error)), where);
 }

@@ -50,6 +50,9 @@ struct Error {
 template <class T>
 using Result = boost::system::result<T, Error>;
 
+/// The node has no such object or sub-index, as it says itself (CiA 301 table 22).
+[[nodiscard]] bool is_absent(const Error& error) noexcept;
+
 [[noreturn]] void throw_exception_from_error(const Error& error, const boost::source_location& where);
 
 }  // namespace canopen

@@ -101,6 +101,43 @@ std::optional<std::string> pdo_only(Drive& drive, Arguments arguments) {
   return std::nullopt;
 }
 
+std::optional<std::string> absent(Drive& drive, Arguments arguments) {
+  if (arguments[0] == "none") {
+    drive.misbehaviour().absent.clear();
+    return std::nullopt;
+  }
+  const std::string_view object = arguments[0];
+  const std::size_t colon = object.find(':');
+  const auto index = parse_number(object.substr(0, colon), 0xFFFF);
+  AbsentObject added{static_cast<std::uint16_t>(index.value_or(0)), {}};
+  if (colon != std::string_view::npos) {
+    // As everywhere a sub-index is written: two hexadecimal digits.
+    const auto sub = parse_number("0x" + std::string(object.substr(colon + 1)), 0xFF);
+    if (!sub) {
+      return expected("an object like 0x2021 or 0x2021:05, or none", object);
+    }
+    added.sub = static_cast<std::uint8_t>(*sub);
+  }
+  if (!index) {
+    return expected("an object like 0x2021 or 0x2021:05, or none", object);
+  }
+  drive.misbehaviour().absent.push_back(added);
+  return std::nullopt;
+}
+
+std::optional<std::string> emcy_id(Drive& drive, Arguments arguments) {
+  std::optional<std::uint32_t> stored;
+  if (arguments[0] != "normal") {
+    stored = parse_number(arguments[0], 0xFFFFFFFF);
+    if (!stored) {
+      return expected("a value of 0x1014 or normal", arguments[0]);
+    }
+  }
+  drive.misbehaviour().emcy_id = stored;
+  drive.emergency().set_stored_id(stored);
+  return std::nullopt;
+}
+
 std::optional<std::string> sdo_drop(Drive& drive, Arguments arguments) {
   const auto count = parse_number(arguments[0], 1'000'000'000);
   if (!count) {
@@ -186,7 +223,7 @@ std::optional<std::string> behave(Drive& drive, Arguments /*arguments*/) {
   return std::nullopt;
 }
 
-constexpr std::array<Verb, 20> kVerbs{{
+constexpr std::array<Verb, 22> kVerbs{{
     {"power", 1, 1, false, "on|off", "power supply", power},
     {"reboot", 0, 1, false, "[MS]", "power off and, after a pause (500 ms), on again", reboot},
     {"fault", 1, 1, true, "CODE", "trip with a fault of the drive's own table", trouble<&Drive::fault>},
@@ -206,6 +243,9 @@ constexpr std::array<Verb, 20> kVerbs{{
     {"pdo-only", 1, 1, false, "CODE|off", "refuse SDO writes to objects of an RPDO with this abort code", pdo_only},
     {"local", 1, 1, false, "on|off", "controlled at its keypad: what the bus commands has no effect",
      set_flag<&Misbehaviour::local>},
+    {"absent", 1, 1, false, "INDEX[:SUB]|none", "deny to have an object, and one more each time", absent},
+    {"emcy-id", 1, 1, false, "VALUE|normal", "0x1014 holds this, after each start too; bit 31: no emergencies",
+     emcy_id},
     {"length", 2, 2, false, "tpdo|sdo|heartbeat|emcy BYTES|normal", "send frames of a wrong length", length},
     {"behave", 0, 0, false, "", "end all misbehaviour; faults and power stay as they are", behave},
     {"show", 0, 0, false, "", "state and counters in one line", nullptr},

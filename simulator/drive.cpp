@@ -31,7 +31,8 @@ Drive::Drive(std::unique_ptr<Model> model, std::uint8_t node, Network& network, 
       sdo_(
           node, dictionary_, record_,
           [this](Address address, bool write) { return model_->answer_style(address, write); },
-          [this](Address address) { return refuse_sdo_write(address); }),
+          [this](Address address) { return refuse_sdo_write(address); },
+          [this](Address address) { return denial(misbehaviour_, address); }),
       pdos_(pdo_context()),
       error_control_(network.executor(), error_control_actions()),
       heartbeat_consumer_(
@@ -154,7 +155,7 @@ void Drive::start_communication() {
 
 void Drive::restore_communication_settings() {
   const Traits& traits = model_->traits();
-  emergency_.restore_defaults();
+  emergency_.restore_defaults(misbehaviour_.emcy_id);
   pdos_.restore_defaults();
   error_control_.restore_defaults(options_.heartbeat_ms.value_or(0));
   heartbeat_consumer_.restore_defaults(traits.heartbeat_consumers);

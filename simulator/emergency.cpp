@@ -8,9 +8,9 @@ Emergency::Emergency(std::uint8_t node, Send send) : node_(node), send_(std::mov
   restore_defaults();
 }
 
-void Emergency::restore_defaults() {
+void Emergency::restore_defaults(std::optional<std::uint32_t> stored) {
   history_.clear();
-  cob_id_ = 0x80U + node_;
+  set_stored_id(stored);
 }
 
 void Emergency::forget_communication_errors() {
@@ -18,7 +18,7 @@ void Emergency::forget_communication_errors() {
 }
 
 Abort Emergency::set_cob_id(std::uint32_t value) {
-  // CiA 301 §7.5.2.18: only bit 31 may change while the EMCY is enabled.
+  // CiA 301 §7.5.2.17: only bit 31 may change while the EMCY is enabled.
   if ((cob_id_ & kDisabled) == 0 && (value & ~kDisabled) != cob_id_) {
     return Abort::invalid_value;
   }

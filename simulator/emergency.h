@@ -21,8 +21,10 @@ class Emergency {
 
   Emergency(std::uint8_t node, Send send);
 
-  /// Forgets the history and enables the EMCY; active errors stay.
-  void restore_defaults();
+  /// Forgets the history and enables the EMCY; active errors stay. `stored`: what 0x1014 holds instead.
+  void restore_defaults(std::optional<std::uint32_t> stored = std::nullopt);
+  /// 0x1014 holds this from now on; without a value 0x80 + node.
+  void set_stored_id(std::optional<std::uint32_t> stored) { cob_id_ = stored.value_or(0x80U + node_); }
   /// Nothing is wrong and nothing is said about it: after a power-on.
   void forget_errors() { active_.clear(); }
   /// The communication starts anew; errors of the drive itself stay.

@@ -87,6 +87,15 @@ bool flaw_fits(SdoFlaw flaw, const canopen::Frame& answer) {
 
 }  // namespace
 
+Abort denial(const Misbehaviour& misbehaviour, Address address) {
+  for (const AbsentObject& absent : misbehaviour.absent) {
+    if (absent.index == address.index && absent.sub.value_or(address.sub) == address.sub) {
+      return absent.sub ? Abort::no_sub_index : Abort::no_object;
+    }
+  }
+  return Abort::none;
+}
+
 canopen::Frame with_length(const canopen::Frame& frame, std::optional<std::uint8_t> length) {
   if (!length) {
     return frame;

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "canopen/clock.h"
 #include "canopen/frame.h"
+#include "simulator/object_dictionary.h"
 
 namespace simulator {
 
@@ -16,6 +18,12 @@ enum class SdoFlaw : std::uint8_t {
   wrong_toggle,       ///< Segment answers carry the other toggle bit; others are left alone.
   unknown_command,    ///< A command specifier CiA 301 does not know.
   abort               ///< Every request is refused with `abort_code`.
+};
+
+/// An object that the drive denies to have, or one sub-index of it.
+struct AbsentObject {
+  std::uint16_t index = 0;
+  std::optional<std::uint8_t> sub;  ///< Without a value: the whole object.
 };
 
 /// What is wrong with a drive, on request. Everything off: the drive behaves.
@@ -37,11 +45,18 @@ struct Misbehaviour {
   /// refused (0x08000021).
   bool local = false;
 
+  std::vector<AbsentObject> absent;  ///< SDO requests to them are refused. PDOs carry them as before.
+  /// What 0x1014 holds after each start of the drive, as if it had been stored so; without a value 0x80 + node.
+  std::optional<std::uint32_t> emcy_id;
+
   std::optional<std::uint8_t> tpdo_length;       ///< 0..8: every TPDO is cut or filled with zeros to it.
   std::optional<std::uint8_t> sdo_length;        ///< The same for SDO answers.
   std::optional<std::uint8_t> heartbeat_length;  ///< The same for heartbeats and boot-up frames.
   std::optional<std::uint8_t> emcy_length;       ///< The same for EMCY.
 };
+
+/// Why the drive denies to have the object; `none` where it does not.
+[[nodiscard]] Abort denial(const Misbehaviour& misbehaviour, Address address);
 
 /// `frame` with `length` data bytes, cut or filled with zeros.
 [[nodiscard]] canopen::Frame with_length(const canopen::Frame& frame, std::optional<std::uint8_t> length);

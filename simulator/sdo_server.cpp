@@ -35,12 +35,13 @@ std::uint8_t bytes_needed(std::uint8_t command) {
 }  // namespace
 
 SdoServer::SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style,
-                     WriteRefusal write_refusal)
+                     WriteRefusal write_refusal, Denial denial)
     : node_(node),
       dictionary_(dictionary),
       record_(record),
       style_(std::move(style)),
-      write_refusal_(std::move(write_refusal)) {}
+      write_refusal_(std::move(write_refusal)),
+      denial_(std::move(denial)) {}
 
 void SdoServer::start(const Traits& traits) {
   short_requests_ = traits.short_sdo_requests;
@@ -98,10 +99,14 @@ canopen::Frame SdoServer::refuse(Abort abort) {
   return frame;
 }
 
+Abort SdoServer::absence(const Object* object) const {
+  return object == nullptr ? dictionary_.absence(address_) : denial_(address_);
+}
+
 canopen::Frame SdoServer::start_download(const canopen::Frame& request) {
   Object* object = dictionary_.find(address_);
-  if (object == nullptr) {
-    return refuse(dictionary_.absence(address_));
+  if (const Abort absent = absence(object); absent != Abort::none) {
+    return refuse(absent);
   }
   if (object->access == Access::read_only) {
     return refuse(Abort::read_only);
@@ -221,8 +226,8 @@ Abort SdoServer::finish_download() {
 
 canopen::Frame SdoServer::start_upload() {
   Object* object = dictionary_.find(address_);
-  if (object == nullptr) {
-    return refuse(dictionary_.absence(address_));
+  if (const Abort absent = absence(object); absent != Abort::none) {
+    return refuse(absent);
   }
   if (object->access == Access::write_only) {
     return refuse(Abort::write_only);

@@ -21,7 +21,11 @@ class SdoServer {
   /// Why an object that exists is not to be written now; `none` where it may.
   using WriteRefusal = std::function<Abort(Address)>;
 
-  SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style, WriteRefusal write_refusal);
+  /// Why an object that exists is said not to; `none` where it is not denied.
+  using Denial = std::function<Abort(Address)>;
+
+  SdoServer(std::uint8_t node, ObjectDictionary& dictionary, Record& record, Style style, WriteRefusal write_refusal,
+            Denial denial);
 
   /// At each start of the communication; ends a transfer.
   void start(const Traits& traits);
@@ -31,6 +35,8 @@ class SdoServer {
  private:
   enum class Transfer : std::uint8_t { none, upload, download };
 
+  /// Why there is no such object; `none` where there is one.
+  [[nodiscard]] Abort absence(const Object* object) const;
   [[nodiscard]] canopen::Frame start_download(const canopen::Frame& request);
   [[nodiscard]] canopen::Frame download_expedited(const canopen::Frame& request, Object& object);
   [[nodiscard]] canopen::Frame download_segment(const canopen::Frame& request);
@@ -47,6 +53,7 @@ class SdoServer {
   Record& record_;
   Style style_;
   WriteRefusal write_refusal_;
+  Denial denial_;
   bool short_requests_ = false;
   bool segmented_ = true;
   std::vector<Abort> known_aborts_;

@@ -15,7 +15,7 @@ enum class AlarmKind : std::uint8_t {
   emcy,       ///< Emergency messages, or the fault signal without one.
   heartbeat,  ///< Error control lost, or a drive that never appeared.
   boot,       ///< It answers but cannot be configured or taken over, or left operational by itself.
-  data,       ///< A TPDO is overdue while the drive lives.
+  data,       ///< A TPDO is missing, the drive lacks an object, or its emergencies are switched off.
   control     ///< A command timeout acted or could not act.
 };
 inline constexpr std::array<AlarmKind, 5> kAlarmKinds{AlarmKind::emcy, AlarmKind::heartbeat, AlarmKind::boot,

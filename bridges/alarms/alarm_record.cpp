@@ -70,12 +70,20 @@ bool AlarmRecord::continue_from(const Alarm& before) {
   return true;
 }
 
-bool AlarmRecord::show(bool active, std::string text, config::Severity severity, canopen::WallTime now) {
+bool AlarmRecord::show(bool active, std::string reason, std::string text, config::Severity severity,
+                       canopen::WallTime now) {
   std::vector<AlarmError> errors;
+  bool reason_changed = false;
   if (active) {
+    reason_changed = alarm_.reason != reason;
+    alarm_.reason = std::move(reason);
     errors.push_back({0, {}, std::move(text), severity, alarm_.active ? alarm_.since : now});
   }
-  return show(std::move(errors), 0, true, now);
+  const bool changed = show(std::move(errors), 0, true, now);
+  if (reason_changed) {
+    alarm_.ts = now;
+  }
+  return changed || reason_changed;
 }
 
 void AlarmRecord::restore(const Alarm& before) {

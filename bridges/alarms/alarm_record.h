@@ -18,8 +18,8 @@ class AlarmRecord {
 
   /// Shows these errors, oldest first; none: the alarm is over. True where anything changed.
   bool show(std::vector<AlarmError> errors, std::uint8_t error_register, bool confirmed, canopen::WallTime now);
-  /// The same for an alarm that is one condition without a code.
-  bool show(bool active, std::string text, config::Severity severity, canopen::WallTime now);
+  /// The same for an alarm that is one condition without a code. `reason`: a word of docs/ALARMS.md.
+  bool show(bool active, std::string reason, std::string text, config::Severity severity, canopen::WallTime now);
   /// What was known before the gateway's start: an active alarm goes on under its old id.
   void restore(const Alarm& before);
   /// The same, where the drive has told of its errors already: an error still active goes on under its old id, with

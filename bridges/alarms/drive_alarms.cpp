@@ -81,21 +81,22 @@ void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime
   if (errors_.on_online(status.online)) {
     show_emcy(wall);
   }
-  show(AlarmKind::heartbeat, status.lost, heartbeat_text(model_, status), config::Severity::fault, wall);
-  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_text(status),
+  show(AlarmKind::heartbeat, status.lost, {}, heartbeat_text(model_, status), config::Severity::fault, wall);
+  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), {}, boot_text(status),
        config::Severity::fault, wall);
 }
 
-void DriveAlarms::on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall) {
+void DriveAlarms::on_data_problems(const std::vector<DataProblem>& problems, canopen::WallTime wall) {
   std::string text;
-  for (const std::string& problem : problems) {
-    text += text.empty() ? problem : "; " + problem;
+  for (const DataProblem& problem : problems) {
+    text += text.empty() ? problem.text : "; " + problem.text;
   }
-  show(AlarmKind::data, !problems.empty(), std::move(text), config::Severity::warning, wall);
+  std::string reason = problems.empty() ? std::string() : std::string(name_of(problems.front().reason));
+  show(AlarmKind::data, !problems.empty(), std::move(reason), std::move(text), config::Severity::warning, wall);
 }
 
 void DriveAlarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
-  show(AlarmKind::control, alarm.has_value(), alarm ? alarm->text : std::string(), config::Severity::fault, wall);
+  show(AlarmKind::control, alarm.has_value(), {}, alarm ? alarm->text : std::string(), config::Severity::fault, wall);
 }
 
 void DriveAlarms::restore_emcy(const Alarm& before) {
@@ -132,9 +133,9 @@ void DriveAlarms::show_emcy(canopen::WallTime wall) {
   }
 }
 
-void DriveAlarms::show(AlarmKind kind, bool active, std::string text, config::Severity severity,
+void DriveAlarms::show(AlarmKind kind, bool active, std::string reason, std::string text, config::Severity severity,
                        canopen::WallTime wall) {
-  if (record(kind).show(active, std::move(text), severity, wall)) {
+  if (record(kind).show(active, std::move(reason), std::move(text), severity, wall)) {
     changed_(kind);
   }
 }

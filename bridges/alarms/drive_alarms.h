@@ -9,6 +9,7 @@
 #include "bridges/alarms/alarm.h"
 #include "bridges/alarms/alarm_record.h"
 #include "bridges/alarms/control_alarm.h"
+#include "bridges/alarms/data_problem.h"
 #include "bridges/alarms/error_list.h"
 #include "canopen/clock.h"
 #include "canopen/node/emcy.h"
@@ -36,8 +37,9 @@ class DriveAlarms {
   void on_error_register(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
   /// Heartbeat and boot alarms, and whether the emergencies are confirmed.
   void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
-  /// Texts of what is wrong with TPDOs; none: nothing.
-  void on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall);
+  /// What is wrong with values and emergencies; none: nothing. The first one gives the reason. Not to be called before
+  /// the drive was looked at.
+  void on_data_problems(const std::vector<DataProblem>& problems, canopen::WallTime wall);
   /// Nothing: it is over.
   void on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall);
   /// The emergency alarm as it was before the gateway's start, taken once; after the drive was online, only the
@@ -54,7 +56,8 @@ class DriveAlarms {
  private:
   [[nodiscard]] AlarmRecord& record(AlarmKind kind) noexcept { return records_[static_cast<std::size_t>(kind)]; }
   void show_emcy(canopen::WallTime wall);
-  void show(AlarmKind kind, bool active, std::string text, config::Severity severity, canopen::WallTime wall);
+  void show(AlarmKind kind, bool active, std::string reason, std::string text, config::Severity severity,
+            canopen::WallTime wall);
 
   const config::Drive& model_;
   Changed changed_;

@@ -19,10 +19,13 @@ std::uint16_t age_ms(std::optional<canopen::TimePoint> since, canopen::TimePoint
   return static_cast<std::uint16_t>(std::clamp<std::int64_t>(age, 0, kNoAge));
 }
 
-// Of all sources; a source that never came has no age, so that nobody takes the block for complete.
+// Of all sources that the drive has; one that never came has no age, so that nobody takes the block for complete.
 std::optional<canopen::TimePoint> oldest_value(const process::Image& image) {
   std::optional<canopen::TimePoint> oldest;
   for (const process::SourceState& source : image.sources()) {
+    if (source.absent) {
+      continue;
+    }
     if (!source.received) {
       return std::nullopt;
     }

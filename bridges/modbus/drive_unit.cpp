@@ -54,8 +54,19 @@ void DriveUnit::sign_of_life(const process::Writer& writer) {
   }
 }
 
-bool DriveUnit::stale(process::SignalId signal, canopen::TimePoint now) const {
-  return signal != kNoSignal && measured_[signal] && !drive().image().fresh(signal, now);
+DriveUnit::Quality DriveUnit::quality(process::SignalId signal, canopen::TimePoint now) const {
+  if (signal == kNoSignal || !measured_[signal]) {
+    return Quality::good;
+  }
+  const process::Image& image = drive().image();
+  if (image.fresh(signal, now)) {
+    return Quality::good;
+  }
+  return image.absent(signal) ? Quality::absent : Quality::stale;
+}
+
+bool DriveUnit::shows_zero(Quality found, config::OnStale on_stale) noexcept {
+  return found == Quality::absent || (found == Quality::stale && on_stale == config::OnStale::zero);
 }
 
 std::optional<Exception> DriveUnit::read_registers(Range range, canopen::TimePoint now,
@@ -64,7 +75,7 @@ std::optional<Exception> DriveUnit::read_registers(Range range, canopen::TimePoi
   const Diagnostics block = diagnostics(range, now);
   bool any_stale = false;
   process::SignalId looked_at = kNoSignal;
-  bool looked_stale = false;
+  Quality found = Quality::good;
   for (std::size_t i = 0; i < range.quantity; ++i) {
     const auto address = static_cast<std::uint16_t>(range.address + i);
     if (is_diagnostic(address)) {
@@ -77,10 +88,10 @@ std::optional<Exception> DriveUnit::read_registers(Range range, canopen::TimePoi
     const process::SignalId owner = table_.register_owner(address);
     if (owner != looked_at) {
       looked_at = owner;
-      looked_stale = stale(owner, now);
-      any_stale = any_stale || looked_stale;
+      found = quality(owner, now);
+      any_stale = any_stale || found == Quality::stale;
     }
-    const bool as_zero = looked_stale && on_stale == config::OnStale::zero;
+    const bool as_zero = shows_zero(found, on_stale);
     out[i] = as_zero ? std::uint16_t{0} : table_.register_value(address);
   }
   if (any_stale && on_stale == config::OnStale::exception) {
@@ -97,10 +108,9 @@ std::optional<Exception> DriveUnit::read_bits(Range range, canopen::TimePoint no
     if (!table_.has_bit(address)) {
       return Exception::illegal_address;
     }
-    const bool is_stale = stale(table_.bit_owner(address), now);
-    any_stale = any_stale || is_stale;
-    const bool as_zero = is_stale && on_stale == config::OnStale::zero;
-    out[i] = !as_zero && table_.bit_value(address) ? 1 : 0;
+    const Quality found = quality(table_.bit_owner(address), now);
+    any_stale = any_stale || found == Quality::stale;
+    out[i] = !shows_zero(found, on_stale) && table_.bit_value(address) ? 1 : 0;
   }
   if (any_stale && on_stale == config::OnStale::exception) {
     return Exception::no_response;
@@ -123,7 +133,7 @@ Diagnostics DriveUnit::diagnostics(Range range, canopen::TimePoint now) const {
     if (owner == kNoSignal) {
       continue;
     }
-    if (measured_[owner] ? !stale(owner, now) : drive().commanded().counts(owner)) {
+    if (measured_[owner] ? quality(owner, now) == Quality::good : drive().commanded().counts(owner)) {
       std::uint16_t& word = block[kFreshBitsBegin - kDiagnosticsBegin + address / 16U];
       word = static_cast<std::uint16_t>(word | 1U << (address % 16U));
     }

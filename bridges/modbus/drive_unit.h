@@ -37,8 +37,13 @@ class DriveUnit {
  private:
   [[nodiscard]] process::Drive& drive() const { return plant_.drive(index_); }
   void show(process::SignalId signal);
-  /// Only measured values can be out of date; a command register never makes a read fail.
-  [[nodiscard]] bool stale(process::SignalId signal, canopen::TimePoint now) const;
+  enum class Quality : std::uint8_t {
+    good,
+    stale,  ///< Only measured values can be out of date; a command register never makes a read fail.
+    absent  ///< The drive lacks it: as an unused address.
+  };
+  [[nodiscard]] Quality quality(process::SignalId signal, canopen::TimePoint now) const;
+  [[nodiscard]] static bool shows_zero(Quality found, config::OnStale on_stale) noexcept;
   [[nodiscard]] Diagnostics diagnostics(Range range, canopen::TimePoint now) const;
   [[nodiscard]] WritePlan plan_mask(const Request& request) const;
   [[nodiscard]] WritePlan plan(const Request& request, std::span<const std::uint8_t> bytes) const;

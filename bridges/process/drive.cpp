@@ -110,7 +110,8 @@ void Drive::on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, 
 }
 
 void Drive::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) {
-  inputs_.on_tpdo_length(number, expected, received);
+  inputs_.on_tpdo_length(number, expected, received, canopen::Clock::now());
+  arm_expiry();
 }
 
 void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
@@ -164,8 +165,9 @@ void Drive::on_stale(SourceId source) {
   tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
 }
 
-void Drive::on_problems() {
-  alarms_.on_data_problems(inputs_.problems(), canopen::wall_now());
+void Drive::on_presence(SourceId source) {
+  const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
+  tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
 }
 
 void Drive::on_read_wanted() {

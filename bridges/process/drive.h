@@ -117,6 +117,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) override;
   void on_start_ignored() override { reader_.check_errors(); }
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) override;
+  void on_emcy_checked(const canopen::EmcyVerdict& verdict) override;
   void on_frames_lost() override;
   std::optional<std::vector<canopen::ObjectValue>> repetition(std::uint16_t rpdo) override {
     return commands_.commanded().repetition(rpdo);
@@ -125,6 +126,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   // Inputs::Listener
   void on_values(SourceId source) override;
   void on_stale(SourceId source) override;
+  void on_presence(SourceId source) override;
   void on_problems() override;
   void on_remark(const std::string& text) override;  ///< Of both.
   void on_read_wanted() override;
@@ -177,6 +179,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   /// An emergency of a fault came, and none that tells its end. Nothing: nobody knows what was missed.
   std::optional<bool> had_fault_emcy_;
   bool had_quick_stop_ = false;
+  std::optional<alarms::DataProblem> emcy_problem_;
+  bool data_known_ = false;  ///< The drive itself has told what is wrong with its data, or that nothing is.
   bool was_online_ = false;
 };
 

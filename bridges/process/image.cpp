@@ -1,7 +1,5 @@
 #include "bridges/process/image.h"
 
-#include <algorithm>
-
 #include "bridges/process/source_plan.h"
 
 namespace process {
@@ -24,13 +22,25 @@ bool Image::fresh(SignalId signal, canopen::TimePoint now) const noexcept {
   return source != nullptr && source->fresh(now);
 }
 
+bool Image::absent(SignalId signal) const noexcept {
+  const SourceState* source = source_of(signal);
+  return source != nullptr && source->absent;
+}
+
 const SourceState* Image::source_of(SignalId signal) const noexcept {
   const SourceId source = source_of_[signal];
   return source == kNoSource ? nullptr : &sources_[source];
 }
 
 bool Image::all_fresh(canopen::TimePoint now) const noexcept {
-  return std::all_of(sources_.begin(), sources_.end(), [now](const SourceState& source) { return source.fresh(now); });
+  bool any = sources_.empty();
+  for (const SourceState& source : sources_) {
+    if (!source.absent && !source.fresh(now)) {
+      return false;
+    }
+    any = any || !source.absent;
+  }
+  return any;
 }
 
 }  // namespace process

@@ -19,6 +19,7 @@ using SourceId = std::uint16_t;
 struct SourceState {
   config::Source source;
   bool received = false;             ///< Since the drive's boot.
+  bool absent = false;               ///< The drive does not have this object: never fresh, and nobody waits for it.
   canopen::TimePoint at{};           ///< Of the newest values.
   canopen::WallTime wall{};          ///< Likewise, for people.
   canopen::TimePoint fresh_until{};  ///< Values are fresh up to here; TimePoint::max() for as long as nothing happens.
@@ -35,10 +36,12 @@ class Image {
   /// 0 as long as nothing was received.
   [[nodiscard]] canopen::Raw raw(SignalId signal) const noexcept;
   [[nodiscard]] bool fresh(SignalId signal, canopen::TimePoint now) const noexcept;
+  /// The drive does not have the object of this polled signal, as it said when it was asked last.
+  [[nodiscard]] bool absent(SignalId signal) const noexcept;
   /// Nothing for a signal that is only written.
   [[nodiscard]] const SourceState* source_of(SignalId signal) const noexcept;
   [[nodiscard]] std::span<const SourceState> sources() const noexcept { return sources_; }
-  /// Every source is fresh.
+  /// Every source is fresh that the drive has.
   [[nodiscard]] bool all_fresh(canopen::TimePoint now) const noexcept;
 
  private:

@@ -29,6 +29,7 @@ void Inputs::on_status(bool online, bool operational, TimePoint now) {
   const bool was_operational = std::exchange(operational_, operational);
   if (was_online != online) {
     for (SourceId source = 0; source < source_count(); ++source) {
+      feeds_[source].looked_at = false;
       if (!is_tpdo(source)) {
         feeds_[source].round.cancel();
         if (online) {
@@ -46,6 +47,7 @@ void Inputs::on_status(bool online, bool operational, TimePoint now) {
   if (online && !was_online) {
     listener_.on_read_wanted();
   }
+  update_examined();
 }
 
 void Inputs::begin_life(TimePoint now) {
@@ -112,6 +114,7 @@ void Inputs::on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values,
     }
   }
   apply(*source, values, at, wall, fresh_until);
+  note_looked_at(*source);
 }
 
 void Inputs::note_frame(SourceId source, TimePoint at) {
@@ -124,7 +127,7 @@ void Inputs::note_frame(SourceId source, TimePoint at) {
       feed.round.schedule_next(at);
     }
   }
-  if (!feed.problem.empty()) {
+  if (feed.problem) {
     update_problem(source);
   }
 }
@@ -137,6 +140,7 @@ void Inputs::apply(SourceId source, std::span<const canopen::Raw> values, TimePo
   }
   derive(plan);
   SourceState& state = image_.sources_[source];
+  state.absent = false;
   state.received = live() || !is_tpdo(source);
   state.at = at;
   state.wall = wall;
@@ -156,11 +160,21 @@ void Inputs::derive(const SourcePlan& plan) noexcept {
   }
 }
 
-void Inputs::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received) {
+void Inputs::on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received, TimePoint now) {
   const std::optional<SourceId> source = find_tpdo(number);
   if (source && received < expected) {
-    feeds_[*source].tpdo.on_too_short(expected, received);
+    Feed& feed = feeds_[*source];
+    const bool was_substituted = feed.tpdo.substituted();
+    feed.tpdo.on_too_short(expected, received);
+    if (feed.tpdo.substituted() && !was_substituted) {
+      // What is shown is what held before it.
+      make_stale(*source);
+      feed.round.cancel();
+      feed.round.schedule(now);
+      listener_.on_read_wanted();
+    }
     update_problem(*source);
+    note_looked_at(*source);
   } else if (source && !std::exchange(feeds_[*source].told_longer, true)) {
     listener_.on_remark("TPDO" + std::to_string(number) + " has " + std::to_string(received) + " bytes, expected " +
                         std::to_string(expected) + "; the first ones count");
@@ -208,6 +222,7 @@ void Inputs::expire(TimePoint now) {
         listener_.on_read_wanted();
       }
       update_problem(source);
+      note_looked_at(source);
     }
     if (feed.told_fresh && now > image_.sources_[source].fresh_until) {
       make_stale(source);
@@ -234,28 +249,6 @@ std::optional<SourceId> Inputs::find_tpdo(std::uint16_t number) const noexcept {
     }
   }
   return std::nullopt;
-}
-
-std::vector<std::string> Inputs::problems() const {
-  std::vector<std::string> texts;
-  for (const Feed& feed : feeds_) {
-    if (!feed.problem.empty()) {
-      texts.push_back(feed.problem);
-    }
-  }
-  return texts;
-}
-
-void Inputs::update_problem(SourceId source) {
-  if (!is_tpdo(source)) {
-    return;
-  }
-  Feed& feed = feeds_[source];
-  std::string problem = feed.tpdo.problem(feed.round.failure());
-  if (problem != feed.problem) {
-    feed.problem = std::move(problem);
-    listener_.on_problems();
-  }
 }
 
 }  // namespace process

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/alarms/data_problem.h"
 #include "bridges/process/image.h"
 #include "bridges/process/sdo_round.h"
 #include "bridges/process/source_plan.h"
@@ -31,7 +32,7 @@ struct ReadJob {
 /// source, and which objects are to be read by SDO when. It has no timer and sends nothing: its owner calls expire() at
 /// next_expiry() and carries out next_read() at next_read_at(), one at a time.
 ///
-/// Parts: inputs.cpp values and freshness, inputs_reading.cpp what is read by SDO.
+/// Parts: inputs.cpp values and freshness, inputs_reading.cpp what is read by SDO, inputs_problems.cpp what is wrong.
 class Inputs {
  public:
   /// Told in the same call in which it happened; never calls back but for reading.
@@ -40,7 +41,9 @@ class Inputs {
     virtual void on_values(SourceId source) = 0;
     /// This source is not fresh any more.
     virtual void on_stale(SourceId source) = 0;
-    /// problems() changed.
+    /// SourceState::absent of this source changed.
+    virtual void on_presence(SourceId source) = 0;
+    /// problems() changed, or examined() became true.
     virtual void on_problems() = 0;
     /// For the log: something that a person should know and nothing acts upon.
     virtual void on_remark(const std::string& text) = 0;
@@ -64,7 +67,7 @@ class Inputs {
   void on_tpdo(std::uint16_t number, std::span<const canopen::Raw> values, canopen::TimePoint at,
                canopen::WallTime wall);
   /// A shorter one is a problem; a longer one, of which the first bytes count, is remarked once.
-  void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received);
+  void on_tpdo_length(std::uint16_t number, std::size_t expected, std::size_t received, canopen::TimePoint now);
   /// No TPDO value is fresh until refreshed.
   void on_frames_lost(canopen::TimePoint now);
 
@@ -87,8 +90,11 @@ class Inputs {
   [[nodiscard]] canopen::Duration period_of(SourceId source) const noexcept;
 
   [[nodiscard]] std::span<const SourcePlan> plans() const noexcept { return plans_; }
-  /// What is wrong with TPDOs while the drive lives, one text each: overdue, not readable, too short.
-  [[nodiscard]] std::vector<std::string> problems() const;
+  /// What is wrong with TPDOs while the drive lives (overdue, not readable, too short), and which polled objects it
+  /// does not have. The latter stays until the drive is asked again: at each arrival, and once a minute.
+  [[nodiscard]] std::vector<alarms::DataProblem> problems() const;
+  /// The drive came, and of every source something is known since: no further problem is to be expected of it as it is.
+  [[nodiscard]] bool examined() const noexcept;
 
  private:
   struct Feed {
@@ -96,7 +102,8 @@ class Inputs {
 
     TpdoWatch tpdo;  ///< Of no meaning for a polled object.
     SdoRound round;
-    std::string problem;  ///< As last told.
+    std::optional<alarms::DataProblem> problem;  ///< As last told.
+    bool looked_at = false;                      ///< Since the drive came online.
     bool told_fresh = false;
     bool watched = false;
     bool told_longer = false;
@@ -119,7 +126,11 @@ class Inputs {
   void note_frame(SourceId source, canopen::TimePoint at);
   void on_round_complete(SourceId source, canopen::TimePoint at, canopen::WallTime wall);
   void on_round_failed(SourceId source, const canopen::Error& error, canopen::TimePoint at);
+  void set_absent(SourceId source, bool absent);
+  [[nodiscard]] std::optional<alarms::DataProblem> problem_of(SourceId source) const;
   void update_problem(SourceId source);
+  void note_looked_at(SourceId source);
+  void update_examined();
 
   const config::Drive& model_;
   Image& image_;
@@ -129,6 +140,7 @@ class Inputs {
   std::vector<Feed> feeds_;
   bool online_ = false;
   bool operational_ = false;
+  bool told_examined_ = false;
 };
 
 }  // namespace process

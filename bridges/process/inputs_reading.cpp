@@ -11,7 +11,8 @@ namespace {
 using canopen::Duration;
 using canopen::TimePoint;
 
-/// Objects that the drive does not have are asked for now and then only: a parameter may make them appear.
+/// Objects that the drive does not have, or does not show, are asked for now and then only: a parameter may make them
+/// appear.
 constexpr Duration kAbsentObject = std::chrono::seconds(60);
 
 /// One that does not answer keeps the SDO channel through all its tries, and commands wait behind it.
@@ -23,14 +24,14 @@ std::string integer_text(canopen::DataType type, canopen::Raw raw) {
   return canopen::is_signed(type) ? std::to_string(static_cast<std::int64_t>(raw)) : std::to_string(raw);
 }
 
-bool is_absence(const canopen::Error& error) {
-  // CiA 301 table 22: object, sub-index does not exist; no read access.
-  return error.kind == canopen::ErrorKind::refused && (error.abort == 0x06020000 || error.abort == 0x06090011 ||
-                                                       error.abort == 0x06010000 || error.abort == 0x06010001);
+bool is_never_read(const canopen::Error& error) {
+  // CiA 301 table 22: no read access.
+  return canopen::is_absent(error) ||
+         (error.kind == canopen::ErrorKind::refused && (error.abort == 0x06010000 || error.abort == 0x06010001));
 }
 
 Duration pause_after(const canopen::Error& error, Duration poll) {
-  if (is_absence(error)) {
+  if (is_never_read(error)) {
     return std::max(kAbsentObject, poll);
   }
   return error.kind == canopen::ErrorKind::timeout ? std::max(kSilentObject, poll) : poll;
@@ -75,15 +76,16 @@ void Inputs::on_read(const ReadJob& job, const canopen::Result<canopen::Raw>& an
       break;
   }
   update_problem(job.source);
+  note_looked_at(job.source);
 }
 
 void Inputs::on_round_complete(SourceId source, TimePoint at, canopen::WallTime wall) {
   SdoRound& round = feeds_[source].round;
-  const bool on_change = is_tpdo(source) && !is_cyclic(source);
+  const bool told_by_itself = is_tpdo(source) && !is_cyclic(source) && !feeds_[source].tpdo.substituted();
   if (reads_regularly(source)) {
     round.schedule_next(at);
   }
-  apply(source, round.values(), at, wall, on_change ? kNever : at + kFreshPeriods * plans_[source].poll);
+  apply(source, round.values(), at, wall, told_by_itself ? kNever : at + kFreshPeriods * plans_[source].poll);
   if (const auto written = std::exchange(feeds_[source].written, std::nullopt)) {
     const SignalId signal = plans_[source].words.front().signal;
     if (image_.raw(signal) != *written) {
@@ -111,10 +113,14 @@ void Inputs::on_written(SignalId signal, canopen::Raw raw, TimePoint at, canopen
   feed.round.schedule(TimePoint{});
   const std::vector<canopen::Raw> values(plans_[source].values, raw);
   apply(source, values, at, wall, at + kFreshPeriods * plans_[source].poll);
+  update_problem(source);
   listener_.on_read_wanted();
 }
 
 void Inputs::on_round_failed(SourceId source, const canopen::Error& error, TimePoint at) {
+  if (!is_tpdo(source) && error.kind == canopen::ErrorKind::refused) {
+    set_absent(source, canopen::is_absent(error));
+  }
   const bool waits_for_first = is_tpdo(source) && !is_cyclic(source) && !feeds_[source].told_fresh;
   if (reads_regularly(source) || waits_for_first) {
     feeds_[source].round.schedule_retry(at, pause_after(error, plans_[source].poll));

@@ -101,7 +101,7 @@ void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   line.state = state;
   const bool active = state.condition != canopen::BusCondition::error_active;
   const bool changed =
-      line.alarm.show(active, std::string(canopen::describe(state.condition)),
+      line.alarm.show(active, {}, std::string(canopen::describe(state.condition)),
                       state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);

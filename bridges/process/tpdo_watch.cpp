@@ -1,6 +1,7 @@
 #include "bridges/process/tpdo_watch.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace process {
 namespace {
@@ -43,12 +44,15 @@ void TpdoWatch::on_frame(canopen::TimePoint at) {
     due_ = at + kFreshPeriods * period_;
     in_time_ = in_time ? static_cast<std::uint8_t>(std::min<int>(in_time_ + 1, kRegular)) : std::uint8_t{0};
     substituted_ = substituted_ && in_time_ < kRegular;
+  } else {
+    substituted_ = false;
   }
 }
 
 void TpdoWatch::on_too_short(std::size_t expected, std::size_t received) {
   if (active_) {
     too_short_ = Lengths{expected, received};
+    substituted_ = substituted_ || !cyclic();
   }
 }
 
@@ -61,23 +65,27 @@ void TpdoWatch::expire(canopen::TimePoint now, bool verified) {
   substituted_ = substituted_ || !verified;
 }
 
-std::string TpdoWatch::problem(const std::optional<canopen::Error>& read_failure) const {
+std::optional<alarms::DataProblem> TpdoWatch::problem(const std::optional<canopen::Error>& read_failure) const {
+  using alarms::DataProblem;
+  using alarms::DataReason;
   if (!active_) {
-    return {};
+    return std::nullopt;
   }
   const std::string name = "TPDO" + std::to_string(number_);
   if (too_short_) {
-    return name + " has " + std::to_string(too_short_->received) + " bytes, expected " +
-           std::to_string(too_short_->expected) + ", and is not decoded";
+    std::string text = name + " has " + std::to_string(too_short_->received) + " bytes, expected " +
+                       std::to_string(too_short_->expected) + ", and is not decoded";
+    return DataProblem{DataReason::too_short, std::move(text)};
   }
   if (overdue_ && !substituted_) {
-    return name + " is overdue";
+    return DataProblem{DataReason::overdue, name + " is overdue"};
   }
   if (read_failure && (overdue_ || !cyclic())) {
-    return name + (overdue_ ? " is overdue" : " has not come") +
-           " and reading its objects failed: " + canopen::to_string(*read_failure);
+    std::string text = name + (overdue_ ? " is overdue" : " has not come") +
+                       " and reading its objects failed: " + canopen::to_string(*read_failure);
+    return DataProblem{DataReason::unreadable, std::move(text)};
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace process

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "bridges/alarms/data_problem.h"
 #include "bridges/process/source_plan.h"
 #include "canopen/clock.h"
 #include "canopen/error.h"
@@ -26,6 +27,7 @@ class TpdoWatch {
   void end();
 
   void on_frame(canopen::TimePoint at);
+  /// Of one on change nobody knows what it told: SDO reads stand in for it from then on.
   void on_too_short(std::size_t expected, std::size_t received);
 
   /// When expire() has to look; TimePoint::max() for never.
@@ -36,8 +38,8 @@ class TpdoWatch {
   /// Until the TPDO comes in time again.
   [[nodiscard]] bool substituted() const noexcept { return substituted_; }
 
-  /// For people; empty where nothing is wrong. `read_failure` is why reading its objects failed.
-  [[nodiscard]] std::string problem(const std::optional<canopen::Error>& read_failure) const;
+  /// Nothing where nothing is wrong. `read_failure` is why its objects could not be read, which are not fresh.
+  [[nodiscard]] std::optional<alarms::DataProblem> problem(const std::optional<canopen::Error>& read_failure) const;
 
  private:
   struct Lengths {

@@ -180,7 +180,7 @@ boost::asio::awaitable<Failure> learn_before_writing(Procedure& procedure) {
   co_return failure;
 }
 
-/// Identity, error control, PDOs, further settings, in the session's purpose.
+/// Identity, error control, PDOs, further settings, which may change 0x1014, and that; in the session's purpose.
 boost::asio::awaitable<Failure> go_through(Procedure& procedure) {
   const NodeSettings& settings = procedure.session.context().settings;
   Failure failure = co_await check_identity(procedure.session, settings.identity);
@@ -195,6 +195,9 @@ boost::asio::awaitable<Failure> go_through(Procedure& procedure) {
   }
   if (!failure) {
     failure = co_await set_up_further(procedure, settings.setup);
+  }
+  if (!failure) {
+    procedure.report.emcy = co_await set_up_emcy(procedure.session, procedure.report.remarks);
   }
   co_return failure;
 }

@@ -2,10 +2,12 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "canopen/node/boot_result.h"
+#include "canopen/node/emcy_setup.h"
 #include "canopen/node/find_state.h"
 #include "canopen/node/life_context.h"
 
@@ -18,14 +20,15 @@ struct BootReport {
   bool interrupted = false;                   ///< The life ended, or our frames could not leave: no verdict.
   std::vector<std::uint16_t> verified_tpdos;  ///< Their transmission type and timers are as they should be.
   std::vector<std::string> remarks;           ///< What the node lacks and was taken for granted, or what will do.
+  std::optional<EmcyVerdict> emcy;            ///< Nothing: it was not asked, or did not answer.
 
   [[nodiscard]] bool ok() const noexcept { return letter == BootResult::ok && !interrupted; }
 };
 
 /// Makes a node that is not operational as wanted (after CiA 302-2 §5): identity, error control, PDOs, further
-/// settings, and waits for its heartbeat. Where its state is unknown: 0x1017 first and nothing else before a heartbeat
-/// told the state (the handler that hears `operational` ends the life); where neither that nor guarding will ever tell
-/// it, nothing at all unless its motor is read to stand.
+/// settings, where its emergencies go, and waits for its heartbeat. Where its state is unknown: 0x1017 first and
+/// nothing else before a heartbeat told the state (the handler that hears `operational` ends the life); where neither
+/// that nor guarding will ever tell it, nothing at all unless its motor is read to stand.
 boost::asio::awaitable<BootReport> configure(LifeContext context, FoundState found);
 
 /// Looks whether a node that runs is as wanted. Reads only. What would have to be changed gives

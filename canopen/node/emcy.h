@@ -21,6 +21,7 @@ struct EmcySettings {
   bool reset_counts_remaining = false;
   /// CiA 301 code under which the drive puts its own code into the vendor bytes (OPTE6: 0x1000); 0: none.
   std::uint16_t drive_code_under = 0;
+  bool enable = false;  ///< 0x1014 may be written while the node is configured, where it differs from 0x80 + node.
   friend bool operator==(const EmcySettings&, const EmcySettings&) = default;
 };
 

@@ -10,6 +10,7 @@
 #include "canopen/nmt.h"
 #include "canopen/node/boot_result.h"
 #include "canopen/node/emcy.h"
+#include "canopen/node/emcy_setup.h"
 #include "canopen/object.h"
 
 namespace canopen {
@@ -54,6 +55,9 @@ class NodeEvents {
   /// NMT start left it as it was: an error may keep it from operational.
   virtual void on_start_ignored() {}
   virtual void on_emcy(const Emcy& emcy, TimePoint at, WallTime wall) = 0;
+  /// Where its emergencies go, as it was found or made when it was configured or taken over, shortly before
+  /// on_arrival().
+  virtual void on_emcy_checked(const EmcyVerdict& /*verdict*/) {}
   /// Frames of this bus were lost before we read them: TPDO values are suspect until refreshed.
   virtual void on_frames_lost() = 0;
   /// What an RPDO that the node supervises is to be repeated with now, one value for each commanded field; nothing: it

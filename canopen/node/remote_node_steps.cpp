@@ -84,6 +84,9 @@ void RemoteNode::accept(const BootReport& report) {
   for (const std::string& remark : report.remarks) {
     events_.on_remark(remark);
   }
+  if (report.emcy) {
+    events_.on_emcy_checked(*report.emcy);
+  }
   half_done_.clear();
   heard_.boot_up = false;
   self_start_due_ = false;

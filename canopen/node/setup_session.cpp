@@ -9,8 +9,6 @@ namespace canopen {
 namespace {
 
 constexpr std::uint32_t kWriteOnly = 0x06010001;
-constexpr std::uint32_t kNoObject = 0x06020000;
-constexpr std::uint32_t kNoSubIndex = 0x06090011;
 
 // Identifiers and mapping entries are read in hexadecimal, times and counts in decimal.
 std::string value_text(DataType type, Raw raw) {
@@ -27,10 +25,6 @@ Error interruption() {
 }
 
 }  // namespace
-
-bool is_absent(const Error& error) noexcept {
-  return error.kind == ErrorKind::refused && (error.abort == kNoObject || error.abort == kNoSubIndex);
-}
 
 std::string difference_text(const SetupItem& item, Raw found) {
   return to_string(item.object) + " " + item.name + ": expected " + value_text(item.type, item.wanted) + ", found " +

@@ -44,8 +44,6 @@ struct SetupOutcome {
   std::string remark;      ///< For the log; empty: none.
 };
 
-/// CiA 301 abort codes that mean: the node has no such object or sub-index.
-[[nodiscard]] bool is_absent(const Error& error) noexcept;
 /// `0x1017:00 heartbeat time: expected 500, found 0`.
 [[nodiscard]] std::string difference_text(const SetupItem& item, Raw found);
 

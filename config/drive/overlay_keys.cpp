@@ -134,8 +134,8 @@ const SectionOf<EmcyKeys>& emcy_section() {
        Field("error_register", &EmcyKeys::error_register, boolean(),
              "The drive has 0x1001, and it is read; false: as if it had none."),
        Field("error_field", &EmcyKeys::error_field, boolean(), "0x1003 is read for the names of active errors."),
-       Field::later("enable", "true or false", "false",
-                    "0x1014 may be written where emergencies are switched off or moved there.")});
+       Field("enable", setting(&EmcySettings::enable), boolean(),
+             "0x1014 may be written where emergencies are switched off or moved there.")});
   return section;
 }
 

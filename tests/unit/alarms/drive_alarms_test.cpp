@@ -98,14 +98,17 @@ TEST_F(AlarmsTest, BootAlarmNamesItsLetterAndReason) {
 
 TEST_F(AlarmsTest, DataAlarmIsAWarningWithAllTexts) {
   come_online();
-  alarms_->on_data_problems({"TPDO1 is overdue", "TPDO2 is overdue"}, wall_);
+  alarms_->on_data_problems({{DataReason::overdue, "TPDO1 is overdue"}, {DataReason::too_short, "TPDO2 has 4 bytes"}},
+                            wall_);
   const Alarm& alarm = alarms_->alarm(AlarmKind::data);
   EXPECT_TRUE(alarm.active);
   EXPECT_EQ(alarm.severity, Severity::warning);
-  EXPECT_EQ(alarm.text, "TPDO1 is overdue; TPDO2 is overdue");
+  EXPECT_EQ(alarm.text, "TPDO1 is overdue; TPDO2 has 4 bytes");
+  EXPECT_EQ(alarm.reason, "overdue");
   const std::string id = alarm.id;
-  alarms_->on_data_problems({"TPDO2 is overdue"}, wall_);
+  alarms_->on_data_problems({{DataReason::too_short, "TPDO2 has 4 bytes"}}, wall_);
   EXPECT_EQ(alarm.id, id);
+  EXPECT_EQ(alarm.reason, "short");
   alarms_->on_data_problems({}, wall_);
   EXPECT_FALSE(alarm.active);
 }

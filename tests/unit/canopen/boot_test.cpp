@@ -209,7 +209,7 @@ TEST_F(BootTest, BootUpDuringABootBeginsAgain) {
   slave_.boot_up();
   ASSERT_TRUE(wait_online());
   EXPECT_EQ(slave_.reads().front(), kHeartbeatTime);
-  EXPECT_EQ(slave_.reads().size(), 12U) << "all of it was read again";
+  EXPECT_EQ(slave_.reads().size(), 13U) << "all of it was read again";
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
   EXPECT_EQ(status().boot_ups, 2U);
   EXPECT_EQ(events_.boot_ups, 2);

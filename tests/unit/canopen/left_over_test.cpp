@@ -83,7 +83,7 @@ TEST_F(LeftOverTest, AWriteOfABootDoesNotLeaveAfterTheBootUpThatInterruptedIt) {
 TEST_F(LeftOverTest, NmtStartOfABootDoesNotLeaveAfterTheNextBootUp) {
   // From the last read on nothing of ours can leave.
   slave_.script([this](const Bytes& request) -> std::optional<std::vector<Bytes>> {
-    closed_ = closed_ || request == Bytes{0x40, 0x00, 0x16, 0x02, 0, 0, 0, 0};
+    closed_ = closed_ || request == Bytes{0x40, 0x14, 0x10, 0x00, 0, 0, 0, 0};
     return std::nullopt;
   });
   boot_until([this] { return status().configured; });

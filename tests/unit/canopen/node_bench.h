@@ -31,6 +31,7 @@ class RecordedEvents final : public NodeEvents {
     wrong_lengths.emplace_back(number, received);
   }
   void on_emcy(const Emcy& emcy, TimePoint, WallTime) override { emergencies.push_back(emcy); }
+  void on_emcy_checked(const EmcyVerdict& verdict) override { emcy_verdicts.push_back(verdict); }
   void on_frames_lost() override { ++losses; }
   std::optional<std::vector<ObjectValue>> repetition(std::uint16_t rpdo) override {
     return rpdo == 1 && !repeated.empty() ? std::optional(repeated) : std::nullopt;
@@ -43,6 +44,7 @@ class RecordedEvents final : public NodeEvents {
   std::vector<std::pair<std::uint16_t, std::vector<Raw>>> tpdos;
   std::vector<std::pair<std::uint16_t, std::size_t>> wrong_lengths;
   std::vector<Emcy> emergencies;
+  std::vector<EmcyVerdict> emcy_verdicts;
   int losses = 0;
   std::vector<std::string> remarks;
   std::vector<ObjectValue> repeated;  ///< What RPDO1 is to be repeated with; empty: it is not.

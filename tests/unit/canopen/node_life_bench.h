@@ -22,7 +22,7 @@ constexpr Raw kOtherMapping = 0x60430010;
 /// The event timer of the same TPDO; a drive takes it while operational, too.
 constexpr ObjectAddress kTpdoEventTimer{0x1800, 5};
 /// What is read last before the NMT start of a boot that finds everything as wanted.
-constexpr ObjectAddress kLastRead{0x1600, 2};
+constexpr ObjectAddress kLastRead{0x1014, 0};
 
 /// With the objects of a CiA 402 drive that tell whether its motor may be started.
 inline NodeSettings with_motor() {

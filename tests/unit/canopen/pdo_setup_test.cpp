@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "canopen/communication_objects.h"
 #include "tests/unit/canopen/node_bench.h"
 
 namespace canopen {
@@ -56,6 +57,7 @@ TEST_F(PdoSetupTest, EachObjectIsReadOnceAndReadBackOnlyWhereItWasWritten) {
   for (const auto& part : {compared, read_back, rpdo}) {
     wanted.insert(wanted.end(), part.begin(), part.end());
   }
+  wanted.push_back(kEmcyCobId);
   EXPECT_EQ(slave_.reads(), wanted);
 }
 
@@ -163,7 +165,7 @@ TEST_F(PdoSetupTest, AssumeNeitherReadsNorWrites) {
   slave_.set(kHeartbeatTime, DataType::u16, 500);
   boot(settings);
   EXPECT_TRUE(status().online);
-  EXPECT_TRUE(slave_.reads().empty());
+  EXPECT_EQ(slave_.reads(), std::vector<ObjectAddress>{kEmcyCobId});
   EXPECT_TRUE(slave_.writes().empty());
   EXPECT_FALSE(node_->tpdo_verified(1));
 }

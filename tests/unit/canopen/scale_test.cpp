@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 // Heartbeat time: read, written, read back. Of a TPDO 8 objects are compared, 3 writes change its type, and COB-ID
-// and type are read back; of the RPDO 6, 3 and 2.
-constexpr std::size_t kTransfersOfABoot = 3 + 3 * (8 + 3 + 2) + (6 + 3 + 2);
+// and type are read back; of the RPDO 6, 3 and 2. 0x1014 is read.
+constexpr std::size_t kTransfersOfABoot = 3 + 3 * (8 + 3 + 2) + (6 + 3 + 2) + 1;
 
 struct PowerUp {
   unsigned drives;

@@ -91,7 +91,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"},
                     Case{"guarding = \"1s\"\n", "7:1: error: drive \"pump1\": guarding"},
                     Case{"[drive.sdo]\npatience = \"1s\"\n", "8:1: error: drive \"pump1\": sdo.patience"},
-                    Case{"[drive.emcy]\nenable = true\n", "emcy.enable"},
                     Case{"[mqtt]\nbrokers = [\"mqtt://a:1\", \"mqtt://b:1\"]\n", "more than one broker"},
                     Case{"[mqtt]\nbrokers = [\"mqtts://a:8883\"]\n", "mqtts://"},
                     Case{"[mqtt]\nca_file = \"x\"\n", "mqtt.ca_file"},

@@ -158,4 +158,59 @@ TEST(Reads, APolledValueIsTheDrives) {
   EXPECT_EQ(site.ask("03 0134 0001"), "03 02 0007");
 }
 
+/// The temperature (register 10) is polled, and bit 3 is true where it is zero.
+config::Model with_polled_temperature() {
+  config::Model model = example_model();
+  config::Signal& temperature = model.drives[0].signals[3];
+  temperature.source = {config::SourceKind::sdo, 0};
+  temperature.poll = milliseconds(100);
+  config::Signal cold = model.drives[0].signals[7];
+  cold.name = "cold";
+  cold.derived = config::Derived{.from = 3, .mask = 0xFF, .values = {0}};
+  cold.modbus.address = 3;
+  model.drives[0].signals.push_back(cold);
+  return model;
+}
+
+TEST(Reads, AnObjectThatTheDriveLacksReadsZeroAndFailsNothing) {
+  for (const config::OnStale on_stale : {config::OnStale::exception, config::OnStale::hold, config::OnStale::zero}) {
+    config::Model model = with_polled_temperature();
+    model.drives[0].on_stale = on_stale;
+    Site site(model);
+    site.bring_up();
+    site.run(milliseconds(1500));
+    ASSERT_EQ(site.ask("02 0003 0001"), "02 01 01");
+    site.puppet().dictionary.erase(model.drives[0].signals[3].object);
+    site.run(milliseconds(300));
+    EXPECT_EQ(site.ask("03 0000 000d"), "03 1a 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000 0000");
+    EXPECT_EQ(site.ask("03 000a 0001"), "03 02 0000");
+    EXPECT_EQ(site.ask("02 0000 0008"), "02 01 00");
+    EXPECT_EQ(site.ask("01 0003 0001"), "01 01 00");
+  }
+}
+
+TEST(Reads, BesideAnObjectThatTheDriveLacksOthersStillGoStale) {
+  Site site(with_polled_temperature());
+  site.puppet().dictionary.erase(example_model().drives[0].signals[3].object);
+  site.bring_up();
+  site.run(milliseconds(1500));
+  EXPECT_EQ(site.ask("03 0000 0003"), "03 06 0000 0000 0000");
+  site.run_without_values(milliseconds(400));
+  EXPECT_EQ(site.ask("03 0000 0003"), "83 0b");
+  EXPECT_EQ(site.ask("03 000a 0001"), "03 02 0000");
+}
+
+TEST(Reads, DiagnosticsDoNotWaitForAnObjectThatTheDriveLacks) {
+  Site site(with_polled_temperature());
+  site.puppet().dictionary.erase(example_model().drives[0].signals[3].object);
+  site.bring_up();
+  site.run(milliseconds(1500));
+  // Online, operational, a warning, all values fresh, configured.
+  EXPECT_EQ(site.ask("03 03e8 0001"), "03 02 003b");
+  EXPECT_EQ(site.ask("03 0410 0001"), "03 02 0005");
+  const std::string age = site.ask("03 03f1 0001");
+  ASSERT_EQ(age.size(), 10U) << age;
+  EXPECT_LT(std::stoul(age.substr(6), nullptr, 16), 3000U) << "that of TPDO2, which came once";
+}
+
 }  // namespace

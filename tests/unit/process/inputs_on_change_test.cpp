@@ -87,7 +87,7 @@ TEST_F(OnChangeTest, NotReadableIsAProblem) {
   tpdo2(0);
   static_cast<void>(answer_reads());
   ASSERT_EQ(inputs_->problems().size(), 1U);
-  EXPECT_NE(inputs_->problems()[0].find("TPDO1 has not come"), std::string::npos);
+  EXPECT_NE(inputs_->problems()[0].text.find("TPDO1 has not come"), std::string::npos);
   tpdo1(0);
   EXPECT_TRUE(inputs_->problems().empty());
 }

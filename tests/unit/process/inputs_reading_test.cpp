@@ -136,8 +136,8 @@ TEST_F(InputsTest, UnverifiedTpdoWhoseObjectsDoNotAnswerIsAProblem) {
   }
   static_cast<void>(answer_reads());
   ASSERT_EQ(inputs_->problems().size(), 1U);
-  EXPECT_NE(inputs_->problems()[0].find("TPDO1 is overdue and reading its objects failed"), std::string::npos);
-  EXPECT_NE(inputs_->problems()[0].find("0x06020000"), std::string::npos);
+  EXPECT_NE(inputs_->problems()[0].text.find("TPDO1 is overdue and reading its objects failed"), std::string::npos);
+  EXPECT_NE(inputs_->problems()[0].text.find("0x06020000"), std::string::npos);
   EXPECT_FALSE(fresh("running"));
 }
 

@@ -129,7 +129,7 @@ TEST_F(InputsTest, OverdueTpdoIsAProblemWithItsNumberWhileTheDriveLives) {
     pass(50ms);
     tpdo1(1);
   }
-  EXPECT_EQ(inputs_->problems(), std::vector<std::string>{"TPDO2 is overdue"});
+  EXPECT_EQ(inputs_->problems(), Problems({{alarms::DataReason::overdue, "TPDO2 is overdue"}}));
   tpdo2(0);
   EXPECT_TRUE(inputs_->problems().empty());
   EXPECT_EQ(problems_told_, 2);
@@ -150,9 +150,10 @@ TEST_F(InputsTest, TpdoThatNeverComesIsOverdueToo) {
 TEST_F(InputsTest, ShorterTpdoIsToldUntilARightOneComes) {
   go_live();
   for (int i = 0; i < 5; ++i) {
-    inputs_->on_tpdo_length(1, 6, 4);
+    inputs_->on_tpdo_length(1, 6, 4, now_);
   }
-  EXPECT_EQ(inputs_->problems(), std::vector<std::string>{"TPDO1 has 4 bytes, expected 6, and is not decoded"});
+  EXPECT_EQ(inputs_->problems(),
+            Problems({{alarms::DataReason::too_short, "TPDO1 has 4 bytes, expected 6, and is not decoded"}}));
   EXPECT_EQ(problems_told_, 1);
   EXPECT_FALSE(fresh("running"));
   EXPECT_TRUE(remarks_.empty());
@@ -164,14 +165,14 @@ TEST_F(InputsTest, LongerTpdoIsRemarkedOnceAndItsValuesAreFresh) {
   go_live();
   for (int i = 0; i < 5; ++i) {
     pass(100ms);
-    inputs_->on_tpdo_length(1, 6, 8);
+    inputs_->on_tpdo_length(1, 6, 8, now_);
     tpdo1(1);
     EXPECT_TRUE(fresh("running"));
   }
   inputs_->on_boot_up();
-  inputs_->on_tpdo_length(1, 6, 8);
+  inputs_->on_tpdo_length(1, 6, 8, now_);
   EXPECT_EQ(remarks_, std::vector<std::string>{"TPDO1 has 8 bytes, expected 6; the first ones count"});
-  inputs_->on_tpdo_length(2, 2, 8);
+  inputs_->on_tpdo_length(2, 2, 8, now_);
   EXPECT_EQ(remarks_.size(), 2U) << "one of each TPDO";
   EXPECT_EQ(problems_told_, 0);
 }

@@ -90,6 +90,23 @@ TEST_F(ConsoleTest, MisbehaviourSwitches) {
   EXPECT_EQ(misbehaviour.pdo_only, 0x06010002U);
   EXPECT_EQ(run("5 pdo-only off"), "ok");
   EXPECT_FALSE(misbehaviour.pdo_only.has_value());
+  EXPECT_EQ(run("5 absent 0x2021:0D"), "ok");
+  EXPECT_EQ(run("5 absent 0x2030"), "ok");
+  ASSERT_EQ(misbehaviour.absent.size(), 2U);
+  EXPECT_EQ(misbehaviour.absent[0].index, 0x2021);
+  EXPECT_EQ(misbehaviour.absent[0].sub, 0x0D);
+  EXPECT_FALSE(misbehaviour.absent[1].sub.has_value());
+  EXPECT_EQ(run("5 absent none"), "ok");
+  EXPECT_TRUE(misbehaviour.absent.empty());
+  for (const char* wrong : {"5 absent x", "5 absent 0x2021:", "5 absent 0x2021:100", "5 absent 0x12345"}) {
+    EXPECT_THAT(run(wrong), HasSubstr("absent: an object like 0x2021 or 0x2021:05, or none expected")) << wrong;
+  }
+  EXPECT_EQ(run("7 power on"), "ok");
+  EXPECT_EQ(run("7 emcy-id 0x80000087"), "ok");
+  EXPECT_EQ(veichi.read(7, 0x1014, 0), 0x80000087U);
+  EXPECT_EQ(run("7 emcy-id normal"), "ok");
+  EXPECT_EQ(veichi.read(7, 0x1014, 0), 0x87U);
+  EXPECT_THAT(run("7 emcy-id off"), StartsWith("error: "));
   EXPECT_EQ(run("5 local on"), "ok");
   EXPECT_TRUE(misbehaviour.local);
   EXPECT_EQ(run("5 length tpdo 7"), "ok");
@@ -151,9 +168,9 @@ TEST_F(ConsoleTest, BadLinesAreExplainedAndChangeNothing) {
 
 TEST_F(ConsoleTest, HelpNamesEveryVerbAndEmptyLinesAnswerNothing) {
   const std::string help = run("help");
-  for (const char* verb :
-       {"power", "reboot", "fault", "warning", "clear", "nmt", "mute", "unplug", "heartbeat", "boot-up", "sdo-delay",
-        "sdo-drop", "sdo-short", "sdo-flaw", "pdo-only", "local", "length", "behave", "show"}) {
+  for (const char* verb : {"power",    "reboot",    "fault",   "warning",   "clear",    "nmt",       "mute",
+                           "unplug",   "heartbeat", "boot-up", "sdo-delay", "sdo-drop", "sdo-short", "sdo-flaw",
+                           "pdo-only", "local",     "absent",  "emcy-id",   "length",   "behave",    "show"}) {
     EXPECT_THAT(help, HasSubstr(std::string("NODE ") + verb));
   }
   EXPECT_EQ(run(""), "");

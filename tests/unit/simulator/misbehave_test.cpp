@@ -195,5 +195,34 @@ TEST_F(MisbehaveTest, UnderLocalControlTheBusMovesNothing) {
   EXPECT_EQ(bench.read(kUnruly, 0x6040, 0), 6U);
 }
 
+TEST_F(MisbehaveTest, DeniesAnObjectOrASubIndexOfIt) {
+  ASSERT_TRUE(bench.read(kUnruly, 0x6042, 0));
+  misbehave().absent = {{0x6042, {}}, {0x1018, std::uint8_t{2}}};
+  EXPECT_EQ(bench.sdo(kUnruly, {0x40, 0x42, 0x60, 0, 0, 0, 0, 0}),
+            frame(kAnswer, {0x80, 0x42, 0x60, 0, 0x00, 0x00, 0x02, 0x06}));
+  EXPECT_EQ(bench.write(kUnruly, 0x6042, 0, 500, 2), 0x06020000U);
+  EXPECT_EQ(bench.sdo(kUnruly, {0x40, 0x18, 0x10, 2, 0, 0, 0, 0}),
+            frame(kAnswer, {0x80, 0x18, 0x10, 2, 0x11, 0x00, 0x09, 0x06}));
+  EXPECT_TRUE(bench.read(kUnruly, 0x1018, 1));
+  misbehave() = {};
+  EXPECT_TRUE(bench.read(kUnruly, 0x6042, 0));
+}
+
+TEST_F(MisbehaveTest, EmergenciesAreStoredAsOff) {
+  misbehave().emcy_id = 0x80000086;
+  bench.drive().power_off();
+  bench.drive().power_on();
+  bench.loop.settle();
+  static_cast<void>(bench.take(0x086));
+  EXPECT_EQ(bench.read(kUnruly, 0x1014, 0), 0x80000086U);
+  bench.drive().fault(1);
+  bench.loop.settle();
+  EXPECT_TRUE(bench.take(0x086).empty());
+  EXPECT_EQ(bench.write(kUnruly, 0x1014, 0, 0x86, 4), 0U);
+  bench.drive().fault(2);
+  bench.loop.settle();
+  EXPECT_FALSE(bench.take(0x086).empty());
+}
+
 }  // namespace
 }  // namespace simulator
