@@ -123,7 +123,8 @@ struct FaultRules {
   std::optional<std::size_t> fault_code;           ///< The word that names the newest fault.
   std::optional<std::size_t> running;              ///< The boolean that tells a turning motor.
   std::optional<std::size_t> quick_stop;           ///< The boolean that tells a quick stop: it may brake or stand.
-  bool has_error_register = true;                  ///< 0x1001 is read after boot; an absent one decides nothing.
+  bool has_error_register = true;                  ///< False: 0x1001 is never read, as if the drive had none.
+  bool error_register_follows = true;              ///< False: what 0x1001 holds decides nothing about the faults.
   bool has_error_field = true;                     ///< 0x1003 likewise, for names only.
   friend bool operator==(const FaultRules&, const FaultRules&) = default;
 };

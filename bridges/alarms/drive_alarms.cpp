@@ -33,7 +33,7 @@ std::string boot_text(const canopen::NodeStatus& status) {
 DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed)
     : model_(model),
       changed_(std::move(changed)),
-      emergencies_(model),
+      errors_(model),
       records_{record_of(model, AlarmKind::emcy), record_of(model, AlarmKind::heartbeat),
                record_of(model, AlarmKind::boot), record_of(model, AlarmKind::data),
                record_of(model, AlarmKind::control)} {
@@ -42,33 +42,43 @@ DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed)
 }
 
 void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
-  if (emergencies_.on_emcy(emcy, at, wall)) {
+  if (errors_.on_emcy(emcy, at, wall)) {
     show_emcy(wall);
   }
 }
 
 void DriveAlarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
                          canopen::WallTime wall) {
-  if (emergencies_.on_bit(severity, set, period, at, wall)) {
+  if (errors_.on_signal(severity, set, period, at, wall)) {
     show_emcy(wall);
   }
 }
 
 void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
-  if (emergencies_.on_fault_code(code)) {
+  if (errors_.on_fault_code(code)) {
     show_emcy(wall);
   }
 }
 
 void DriveAlarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
-  if (emergencies_.on_readings(readings, at, wall)) {
+  if (errors_.on_readings(readings, at, wall)) {
+    show_emcy(wall);
+  }
+}
+
+void DriveAlarms::on_stale_bit(config::Severity severity, canopen::TimePoint at) {
+  errors_.on_stale_signal(severity, at);
+}
+
+void DriveAlarms::on_error_register(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
+  if (errors_.on_error_register(readings, at)) {
     show_emcy(wall);
   }
 }
 
 void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
   was_online_ = was_online_ || status.online;
-  if (emergencies_.on_online(status.online)) {
+  if (errors_.on_online(status.online)) {
     show_emcy(wall);
   }
   show(AlarmKind::heartbeat, status.lost, {}, heartbeat_text(model_, status), config::Severity::fault, wall);
@@ -99,10 +109,9 @@ void DriveAlarms::restore_emcy(const Alarm& before) {
   if (std::exchange(restored_, true)) {
     return;
   }
-  emergencies_.restore(before);
+  errors_.restore(before);
   record(AlarmKind::emcy).restore(before);
-  record(AlarmKind::emcy)
-      .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), before.ts);
+  record(AlarmKind::emcy).show(errors_.errors(), errors_.error_register(), errors_.confirmed(), before.ts);
   changed_(AlarmKind::emcy);
 }
 
@@ -119,8 +128,7 @@ bool DriveAlarms::any(config::Severity severity) const noexcept {
 }
 
 void DriveAlarms::show_emcy(canopen::WallTime wall) {
-  if (record(AlarmKind::emcy)
-          .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), wall)) {
+  if (record(AlarmKind::emcy).show(errors_.errors(), errors_.error_register(), errors_.confirmed(), wall)) {
     changed_(AlarmKind::emcy);
   }
 }

@@ -10,7 +10,7 @@
 #include "bridges/alarms/alarm_record.h"
 #include "bridges/alarms/control_alarm.h"
 #include "bridges/alarms/data_problem.h"
-#include "bridges/alarms/emergencies.h"
+#include "bridges/alarms/error_list.h"
 #include "canopen/clock.h"
 #include "canopen/node/emcy.h"
 #include "canopen/node/node_events.h"
@@ -29,8 +29,12 @@ class DriveAlarms {
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall);
   void on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
               canopen::WallTime wall);
+  /// The value of the bit is too old to tell anything.
+  void on_stale_bit(config::Severity severity, canopen::TimePoint at);
   void on_fault_code(std::uint64_t code, canopen::WallTime wall);
   void on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
+  /// 0x1001 alone, which raises nothing.
+  void on_error_register(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
   /// Heartbeat and boot alarms, and whether the emergencies are confirmed.
   void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
   /// What is wrong with values and emergencies; none: nothing. The first one gives the reason. Not to be called before
@@ -43,7 +47,9 @@ class DriveAlarms {
   void restore_emcy(const Alarm& before);
 
   [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept;
-  [[nodiscard]] const Emergencies& emergencies() const noexcept { return emergencies_; }
+  [[nodiscard]] const ErrorList& error_list() const noexcept { return errors_; }
+  /// An error is undecided: 0x1001 is to be read (see register_watch.h).
+  [[nodiscard]] bool undecided() const noexcept { return errors_.undecided_since().has_value(); }
   /// An error of this severity is active.
   [[nodiscard]] bool any(config::Severity severity) const noexcept;
 
@@ -55,7 +61,7 @@ class DriveAlarms {
 
   const config::Drive& model_;
   Changed changed_;
-  Emergencies emergencies_;
+  ErrorList errors_;
   std::array<AlarmRecord, kAlarmKinds.size()> records_;
   bool was_online_ = false;
   bool restored_ = false;

@@ -85,6 +85,7 @@ void Drive::on_status(const canopen::NodeStatus& status) {
       reader_.forget_errors();
       had_fault_emcy_.reset();
     }
+    reader_.watch_errors();
   }
   arm_expiry();
   tell([&](Observer& observer) { observer.on_status(*this); });
@@ -127,6 +128,7 @@ void Drive::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::W
     had_fault_emcy_ = had_fault_emcy_.value_or(false);
   }
   alarms_.on_emcy(emcy, at, wall);
+  reader_.on_emergency(at);
   watch_bits(at);
 }
 
@@ -157,6 +159,8 @@ void Drive::on_stale(SourceId source) {
     commands_.on_standstill("nobody can tell whether the motor turns");
     tell_running(std::nullopt);
   }
+  tell_stale_bit(fault_, config::Severity::fault, source);
+  tell_stale_bit(warning_, config::Severity::warning, source);
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
 }
@@ -248,10 +252,18 @@ void Drive::tell_bit(const std::optional<Indicator>& indicator, config::Severity
   watch_bits(state.at);
 }
 
+/// The end of an error must not wait for a signal that does not come.
+void Drive::tell_stale_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
+  if (is_from(indicator, source)) {
+    alarms_.on_stale_bit(severity, canopen::Clock::now());
+    reader_.watch_errors();
+  }
+}
+
 /// An on-change TPDO says nothing while nothing changes, so it is read as long as a further value would tell more.
 void Drive::watch_bits(canopen::TimePoint now) {
   const auto undecided = [&](const std::optional<Indicator>& indicator, config::Severity severity, SourceId source) {
-    return is_from(indicator, source) && alarms_.emergencies().undecided(severity);
+    return is_from(indicator, source) && alarms_.error_list().awaits_signal(severity);
   };
   for (const std::optional<Indicator>* indicator : {&fault_, &warning_}) {
     if (*indicator) {
@@ -261,6 +273,7 @@ void Drive::watch_bits(canopen::TimePoint now) {
       inputs_.watch(source, wanted, now);
     }
   }
+  reader_.watch_errors();
 }
 
 void Drive::arm_expiry() {

@@ -150,6 +150,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   void on_quick_stop();
   void tell_alarms(SourceId source);
   void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
+  void tell_stale_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
   void watch_bits(canopen::TimePoint now);
   void arm_expiry();
   template <class Tell>

@@ -1,6 +1,8 @@
 #include "bridges/process/error_check.h"
 
+#include "canopen/clock.h"
 #include "canopen/communication_objects.h"
+#include "canopen/error.h"
 #include "canopen/node/remote_node.h"
 
 namespace process {
@@ -10,20 +12,33 @@ using canopen::DataType;
 using canopen::Raw;
 using canopen::Result;
 
+bool is_absent(const canopen::Error& error) noexcept {
+  constexpr std::uint32_t kNoObject = 0x06020000;  // CiA 301 table 22
+  constexpr std::uint32_t kNoSubIndex = 0x06090011;
+  return error.kind == canopen::ErrorKind::refused && (error.abort == kNoObject || error.abort == kNoSubIndex);
+}
+
 }  // namespace
 
-boost::asio::awaitable<ErrorCheck> check_errors(const config::Drive& model, canopen::RemoteNode& node) {
+boost::asio::awaitable<ErrorCheck> check_error_register(canopen::RemoteNode& node) {
   ErrorCheck check;
+  check.readings.asked = canopen::Clock::now();
+  const Result<Raw> answer = co_await node.read(canopen::kErrorRegister, DataType::u8);
+  if (answer.has_value()) {
+    check.readings.error_register = static_cast<std::uint8_t>(answer.value());
+  } else {
+    check.readings.register_absent = is_absent(answer.error());
+    check.again = answer.error().kind != canopen::ErrorKind::refused;
+  }
+  co_return check;
+}
+
+boost::asio::awaitable<ErrorCheck> check_errors(const config::Drive& model, canopen::RemoteNode& node) {
   if (!model.faults.has_error_register) {
-    co_return check;
+    co_return ErrorCheck{};
   }
-  const Result<Raw> error_register = co_await node.read(canopen::kErrorRegister, DataType::u8);
-  if (error_register.has_error()) {
-    check.again = error_register.error().kind != canopen::ErrorKind::refused;
-    co_return check;
-  }
-  check.readings.error_register = static_cast<std::uint8_t>(error_register.value());
-  if (error_register.value() == 0) {
+  ErrorCheck check = co_await check_error_register(node);
+  if (check.readings.error_register.value_or(0) == 0) {
     co_return check;
   }
   if (model.faults.fault_code) {

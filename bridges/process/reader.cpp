@@ -56,15 +56,25 @@ void Reader::forget_errors() {
   not_before_ = canopen::TimePoint::min();
 }
 
+void Reader::watch_errors() {
+  const std::optional<canopen::TimePoint> since = alarms_.error_list().undecided_since();
+  if (std::exchange(undecided_since_, since) != since) {
+    changed_.notify();
+  }
+}
+
 boost::asio::awaitable<void> Reader::run() {
   while (!stopping_) {
     const canopen::TimePoint now = canopen::Clock::now();
     if (check_at_ <= now) {
       co_await read_errors();
+    } else if (watch_at() <= now) {
+      co_await read_error_register();
     } else if (const std::optional<ReadJob> job = inputs_.next_read(now)) {
       co_await read(*job);
     } else {
-      co_await changed_.wait_until(std::min(check_at_, inputs_.next_read_at()));
+      const canopen::TimePoint next = std::min({check_at_, watch_at(), inputs_.next_read_at()});
+      co_await changed_.wait_until(next);
     }
   }
 }
@@ -72,22 +82,36 @@ boost::asio::awaitable<void> Reader::run() {
 boost::asio::awaitable<void> Reader::read_errors() {
   check_at_ = canopen::TimePoint::max();
   not_before_ = canopen::Clock::now() + kCheckPause;
-  const std::uint32_t emergencies = alarms_.emergencies().received();
+  const std::uint32_t emergencies = alarms_.error_list().received();
   const bool online = node_.status().online;
   const ErrorCheck check = co_await process::check_errors(model_, node_);
   if (stopping_ || node_.status().online != online) {
     co_return;
   }
   const canopen::TimePoint now = canopen::Clock::now();
-  if (alarms_.emergencies().received() != emergencies) {
+  watch_.on_read(now);
+  if (alarms_.error_list().received() != emergencies) {
     // An emergency came meanwhile, which these answers may not know of.
     check_at_ = std::min(check_at_, std::max(now, not_before_));
     co_return;
   }
   alarms_.on_readings(check.readings, now, canopen::wall_now());
+  watch_errors();
   if (check.again && online) {
     check_at_ = std::min(check_at_, now + kCheckAgain);
   }
+}
+
+boost::asio::awaitable<void> Reader::read_error_register() {
+  const std::uint32_t emergencies = alarms_.error_list().received();
+  const ErrorCheck check = co_await check_error_register(node_);
+  const canopen::TimePoint now = canopen::Clock::now();
+  watch_.on_read(now);
+  if (stopping_ || !node_.status().online || alarms_.error_list().received() != emergencies) {
+    co_return;
+  }
+  alarms_.on_error_register(check.readings, now, canopen::wall_now());
+  watch_errors();
 }
 
 boost::asio::awaitable<void> Reader::read(ReadJob job) {

@@ -93,6 +93,7 @@ struct OverlayKeys {
   std::vector<Said<PdoKeys>> rpdos;
   canopen::Duration inhibit_unit = std::chrono::microseconds(100);
   bool self_starting = false;
+  bool error_register = true;
   ErrorControlKeys error_control;
   canopen::SdoSettings sdo;
   EmcyKeys emcy;

@@ -60,6 +60,7 @@ void take_node_settings(DriveDraft& draft) {
   node.self_starting = said.self_starting;
   FaultRules& faults = draft.drive.faults;
   faults.has_error_register = said.emcy.error_register;
+  faults.error_register_follows = said.error_register;
   faults.has_error_field = said.emcy.error_field;
   for (const auto& [code, text] : said.fault_texts) {
     faults.drive_texts.insert_or_assign(static_cast<std::uint64_t>(code), text);

@@ -131,7 +131,8 @@ const SectionOf<EmcyKeys>& emcy_section() {
        Field("drive_code_under", setting(&EmcySettings::drive_code_under), integer(0, 0xFFFF),
              "Emergency code under which the drive sends its own fault code.")
            .note("none"),
-       Field("error_register", &EmcyKeys::error_register, boolean(), "0x1001 is read after a boot."),
+       Field("error_register", &EmcyKeys::error_register, boolean(),
+             "The drive has 0x1001, and it is read; false: as if it had none."),
        Field("error_field", &EmcyKeys::error_field, boolean(), "0x1003 is read for the names of active errors."),
        Field("enable", setting(&EmcySettings::enable), boolean(),
              "0x1014 may be written where emergencies are switched off or moved there.")});
@@ -245,7 +246,9 @@ const SectionOf<OverlayKeys>& overlay_section() {
        Field("self_starting", &Self::self_starting, boolean(),
              "It goes operational by itself after power-up: sent pre-operational once per boot-up where it has to be "
              "configured, and where `running`, read by SDO first, is false."),
-       Field::later("error_register", "true or false", "true", "0x1001 follows the faults of the drive."),
+       Field("error_register", &Self::error_register, boolean(),
+             "0x1001 follows the faults of the drive. Where it does not, it is shown, and neither raises nor ends an "
+             "error."),
        table_key<Self>("error_control", &Self::error_control, error_control_section(), "Heartbeat."),
        table_key<Self>("sdo", &Self::sdo, sdo_section(), "SDO transfer."),
        table_key<Self>("emcy", &Self::emcy, emcy_section(), "Emergency messages."),

@@ -1,14 +1,11 @@
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <boost/asio/post.hpp>
 #include <chrono>
-#include <fstream>
 #include <stdexcept>
 #include <vector>
 
+#include "tests/bench/broker.h"
 #include "tests/bench/paho_clients.h"
 #include "tests/bench/parts.h"
 #include "tests/bench/rates.h"
@@ -16,34 +13,6 @@
 
 namespace bench {
 namespace {
-
-/// A mosquitto of our own on loopback.
-class Broker {
- public:
-  explicit Broker(std::uint16_t port) : port_(port), config_(fmt::format("/tmp/gateway-bench-{}.conf", getpid())) {
-    std::ofstream(config_) << "listener " << port
-                           << " 127.0.0.1\nallow_anonymous true\nmax_queued_messages 0\nlog_type none\n";
-    process_ = fork();
-    if (process_ == 0) {
-      execlp("mosquitto", "mosquitto", "-c", config_.c_str(), nullptr);
-      _exit(127);
-    }
-  }
-  ~Broker() {
-    kill(process_, SIGTERM);
-    waitpid(process_, nullptr, 0);
-    unlink(config_.c_str());
-  }
-  Broker(const Broker&) = delete;
-  Broker& operator=(const Broker&) = delete;
-
-  [[nodiscard]] std::string uri() const { return fmt::format("tcp://127.0.0.1:{}", port_); }
-
- private:
-  std::uint16_t port_;
-  std::string config_;
-  pid_t process_;
-};
 
 /// Keeps a drive's TPDO1 changing faster than anything could publish it.
 class Changes {

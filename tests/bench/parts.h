@@ -12,5 +12,7 @@ void frames(const std::string& interface);
 void modbus();
 /// Messages per second at a subscriber, against bare Paho publishing the same messages.
 void mqtt();
+/// Round trips of Modbus reads and set-points beside a storm of emergencies, against those just before it.
+void storm();
 
 }  // namespace bench

@@ -55,7 +55,19 @@ class AlarmsTest : public ::testing::Test {
   void reset(std::uint8_t error_register = 0, std::uint8_t remaining = 0) { emcy(0, error_register, {remaining}); }
   void fault(bool set) { alarms_->on_bit(Severity::fault, set, process::test::kPeriod, now_, wall_); }
   void warning(bool set) { alarms_->on_bit(Severity::warning, set, process::test::kPeriod, now_, wall_); }
-  void readings(const ErrorReadings& readings) { alarms_->on_readings(readings, now_, wall_); }
+  /// What is found at an arrival, asked for and answered now.
+  void readings(ErrorReadings readings) {
+    readings.asked = now_;
+    alarms_->on_readings(readings, now_, wall_);
+  }
+  /// 0x1001 alone, asked for `ago`.
+  void reads(std::uint8_t error_register, Duration ago = {}) {
+    alarms_->on_error_register({.asked = now_ - ago, .error_register = error_register}, now_, wall_);
+  }
+  void build_without_following_register() {
+    model_.faults.error_register_follows = false;
+    build();
+  }
 
   [[nodiscard]] const Alarm& emcy_alarm() const { return alarms_->alarm(AlarmKind::emcy); }
   [[nodiscard]] std::vector<std::uint16_t> codes() const {

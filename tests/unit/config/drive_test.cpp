@@ -25,6 +25,7 @@ on_stale = "hold"
 reconfigure_running = true
 identity = { vendor = 0x90, revision = 1 }
 sdo = { timeout = "1s", retries = 0 }
+error_register = false
 emcy = { layout = "class-and-vendor40", error_register = false, error_field = false, enable = true }
 error_control = { policy = "verify", guarding = true }
 setup = [{ object = "0x6060", type = "i8", value = 2 }, { object = "0x6007", type = "i16", value = -1 }]
@@ -53,6 +54,7 @@ deadline = "2s"
   EXPECT_EQ(a.node.emcy.layout, canopen::EmcyLayout::class_and_vendor40);
   EXPECT_TRUE(a.node.emcy.enable);
   EXPECT_FALSE(a.faults.has_error_register);
+  EXPECT_FALSE(a.faults.error_register_follows);
   EXPECT_FALSE(a.faults.has_error_field);
   ASSERT_EQ(a.node.setup.size(), 2U);
   EXPECT_EQ(a.node.setup[0], (canopen::ObjectValue{{0x6060, 0}, canopen::DataType::i8, 2}));

@@ -123,58 +123,6 @@ TEST_F(DriveTest, DriveThatNeverAppearsIsAHeartbeatAlarm) {
   EXPECT_EQ(alarm(alarms::AlarmKind::heartbeat).text, "the drive has not appeared on the bus");
 }
 
-TEST_F(DriveTest, Ac300OvercurrentIsAnAlarmAndTheStatusBitEndsIt) {
-  bring_online();
-  show(test::kRunningBit);
-  emcy(0x0004, 0x01);
-  expect_emcy(true, 0x0004);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).text, "Overcurrent during acceleration");
-  EXPECT_TRUE(drive_->has_fault_alarm());
-  show(test::kFaultBit);
-  run(1s);
-  expect_emcy(true, 0x0004);
-  // The manual describes no recovery frame: the bit alone has to do.
-  show(0);
-  expect_emcy(false, 0x0004);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).count, 1U);
-}
-
-TEST_F(DriveTest, FaultBitWithoutEmergencyTakesTheFaultCode) {
-  bring_online();
-  fault_code_ = 5;
-  show(test::kFaultBit);
-  expect_emcy(true, 5);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).text, "Overcurrent during deceleration");
-}
-
-TEST_F(DriveTest, ErrorOfAnArrivingDriveIsFoundByItsRegister) {
-  model_.faults.fault.reset();
-  model_.faults.warning.reset();
-  slave_.set({0x1001, 0}, DataType::u8, 0x01);
-  slave_.set({0x1003, 1}, DataType::u32, 0xABCD0004);
-  bring_online();
-  expect_emcy(true, 4);
-  EXPECT_TRUE(alarm(alarms::AlarmKind::emcy).confirmed);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).error_register, 0x01);
-}
-
-TEST_F(DriveTest, FaultBitOfAnArrivingDriveIsNamedByItsHistory) {
-  slave_.set({0x1001, 0}, DataType::u8, 0x01);
-  slave_.set({0x1003, 1}, DataType::u32, 0x0004);
-  status_word_ = test::kFaultBit;
-  bring_online();
-  expect_emcy(true, 4);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).errors.size(), 1U);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).severity, config::Severity::fault);
-}
-
-TEST_F(DriveTest, BitsThatStayClearOverruleTheErrorRegister) {
-  slave_.set({0x1001, 0}, DataType::u8, 0x80);
-  bring_online();
-  EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).active);
-  EXPECT_EQ(alarm(alarms::AlarmKind::emcy).error_register, 0x80);
-}
-
 TEST_F(DriveTest, RestoredAlarmEndsWhereTheDriveTellsNone) {
   slave_.unplug(true);
   start();

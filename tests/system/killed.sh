@@ -1,15 +1,16 @@
 #!/bin/bash
-# journal.sh [ROUNDS [SEED]]: the gateway is killed at random moments while commands come over MQTT and Modbus. Each time its
-# journal verifies and it goes on; and of every start of a motor on the bus the journal has a line from before.
+# killed.sh [ROUNDS [SEED]]: the gateway is killed at random moments while commands come over MQTT and Modbus and alarms come
+# and go. Each time its journal verifies and it goes on; of every start of a motor on the bus the journal has a line from
+# before; and an alarm that was told a second before goes on with its id, count and beginning.
 # Run inside tests/vcan/run.
 . "$(dirname "$0")/lib.sh"
 rounds=${1:-20}
 seed=${2:-$RANDOM}
 RANDOM=$seed
 say "$rounds rounds, seed $seed"
-# pump1 and hoist1 are the drives that are commanded; the others would only take the guest's time.
+# pump1 and hoist1 are the drives that are commanded, fan1 is the one that trips; a fourth would only take the guest's time.
 sed "/^\[gateway\]/a state_dir = \"$work/state\"" "$root/tests/system/gateway.toml" |
-  awk 'BEGIN {RS = "\\[\\[drive\\]\\]\n"} NR == 1 {printf "%s", $0} /^name = "(pump1|hoist1)"/ {printf "[[drive]]\n%s", $0}' \
+  awk 'BEGIN {RS = "\\[\\[drive\\]\\]\n"} NR == 1 {printf "%s", $0} /^name = "(fan1|pump1|hoist1)"/ {printf "[[drive]]\n%s", $0}' \
     >"$work/gateway.toml"
 journal=$work/state/journal
 
@@ -51,9 +52,9 @@ run_and_stop() {
 
 start_broker
 start_trace
-start_drives --drive veichi-ac310:5 --drive invt-goodrive600:7
+start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7
 start_gateway
-wait_until 10 "both drives online" register_is 0 2 2
+wait_until 10 "all drives online" register_is 0 2 3
 expect "hoist1: its frequency" written "$(write_registers 7 101 3000)"
 mkfifo "$work/set_points"
 set_points >"$work/set_points" &
@@ -63,13 +64,43 @@ started[publish]=$!
 run_and_stop &
 started[run_and_stop]=$!
 
+# What fan1's alarm is known by. Its topic is emptied with each kill, so what stands there is this gateway's word, and what
+# it did not hear since its start it has from its memory.
+identity() { field fan1/alarm/emcy '[.active, .id, .count, .since] | map(tostring) | join(" ")'; }
+now_ms() { echo "${EPOCHREALTIME/[.,]/}" | cut -c1-13; }
+faulty=no
+known=
+kept=0
+check_alarm() {  # check_alarm ROUND
+  local found
+  wait_until 10 "round $1: the alarm is told" field_is fan1/alarm/emcy .confirmed true
+  found=$(identity)
+  if [ $((killed_at - known_since)) -ge 1000 ]; then
+    expect "round $1: fan1's alarm after $((killed_at - known_since)) ms" "$known" "$found"
+    kept=$((kept + 1))
+  elif [ "$found" != "$known" ]; then
+    known=$found
+    known_since=$(now_ms)
+  fi
+}
+turn_fault() {
+  if [ $faulty = no ]; then order 3 fault 0x0006; faulty=true; else order 3 clear; faulty=no; fi
+  wait_until 5 "the alarm follows the drive" field_is fan1/alarm/emcy .active "${faulty/no/false}"
+  known=$(identity)
+  known_since=$(now_ms)
+}
+
 lines=0
 for round in $(seq "$rounds"); do
   [ "$round" = 1 ] || start_gateway
-  wait_until 10 "the drives are back" register_is 0 2 2
+  wait_until 10 "the drives are back" register_is 0 2 3
+  [ "$round" = 1 ] || check_alarm "$round"
+  [ $((round % 4)) != 1 ] || turn_fault
   pause "0.$((RANDOM % 5))$((RANDOM % 10))$((RANDOM % 10))"
   kill -9 "${started[gateway]}"
+  killed_at=$(now_ms)
   wait "${started[gateway]}" 2>/dev/null
+  mosquitto_pub -h 127.0.0.1 -p "$broker_port" -r -n -t "$topics/fan1/alarm/emcy"
   verify >"$work/verify.out" 2>"$work/verify.err"
   expect "round $round: the journal is whole, $(cat "$work/verify.out" "$work/verify.err"): exit code" 0 $?
   now=$(sed -n 's/^ok: \([0-9]*\) lines.*/\1/p' "$work/verify.out")
@@ -93,4 +124,5 @@ hoist_frames=$(grep -Ec ' 207#0100| 607#2B0121000100' "$work/candump.out")
 hoist_begun=$(jq -r 'select(.phase == "begun" and .drive == "hoist1") | .fields[] |
   select(.signal == "control_command" and .asked == 1) | 1' "$journal"/*.jsonl | wc -l)
 expect_at_most "starts of hoist1 on the bus, of $hoist_begun in the journal" "$hoist_begun" "$hoist_frames"
-say "$lines lines of $rounds rounds"
+expect_at_most "alarms that were older than a second, of $rounds kills" "$rounds" "$kept"
+say "$lines lines of $rounds rounds, $kept times an alarm older than a second"

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "canopen/clock.h"
+
+namespace alarms {
+
+/// When 0x1001 is to be read while an error is undecided: every second for a minute, then every 10 s. The minute starts
+/// again with a new emergency, and with a further undecided error.
+class RegisterWatch {
+ public:
+  /// An emergency came. The first reading after it waits a second: the register may follow the frame.
+  void on_emergency(canopen::TimePoint at) noexcept;
+  /// 0x1001 answered, or did not: the next attempt counts from here.
+  void on_read(canopen::TimePoint at) noexcept;
+
+  /// `undecided_since`: when the last of the undecided errors became so; nothing: none is. canopen::kNever: not at all.
+  [[nodiscard]] canopen::TimePoint next(std::optional<canopen::TimePoint> undecided_since) const noexcept;
+
+ private:
+  std::optional<canopen::TimePoint> emergency_;
+  std::optional<canopen::TimePoint> waits_from_;  ///< The first emergency after the last reading.
+  std::optional<canopen::TimePoint> read_;
+};
+
+}  // namespace alarms
