@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "bridges/alarms/reason.h"
+
 namespace alarms {
 namespace {
 
@@ -43,14 +45,14 @@ DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed)
 
 void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
   if (emergencies_.on_emcy(emcy, at, wall)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
 void DriveAlarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
                          canopen::WallTime wall) {
   if (emergencies_.on_bit(severity, set, period, at, wall)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
@@ -62,7 +64,7 @@ void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
 
 void DriveAlarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
   if (emergencies_.on_readings(readings, at, wall)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
@@ -71,9 +73,9 @@ void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime
   if (emergencies_.on_online(status.online)) {
     show_emcy(wall);
   }
-  show(AlarmKind::heartbeat, status.lost, heartbeat_text(model_, status), config::Severity::fault, wall);
-  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_text(status),
-       config::Severity::fault, wall);
+  show(AlarmKind::heartbeat, status.lost, heartbeat_reason(status), heartbeat_text(model_, status), wall);
+  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_reason(status),
+       boot_text(status), wall);
 }
 
 void DriveAlarms::on_data_problems(const std::vector<std::string>& problems, canopen::WallTime wall) {
@@ -81,11 +83,12 @@ void DriveAlarms::on_data_problems(const std::vector<std::string>& problems, can
   for (const std::string& problem : problems) {
     text += text.empty() ? problem : "; " + problem;
   }
-  show(AlarmKind::data, !problems.empty(), std::move(text), config::Severity::warning, wall);
+  show(AlarmKind::data, !problems.empty(), {}, std::move(text), wall);
 }
 
 void DriveAlarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
-  show(AlarmKind::control, alarm.has_value(), alarm ? alarm->text : std::string(), config::Severity::fault, wall);
+  show(AlarmKind::control, alarm.has_value(), alarm ? name_of(alarm->reason) : std::string_view(),
+       alarm ? alarm->text : std::string(), wall);
 }
 
 void DriveAlarms::restore_emcy(const Alarm& before) {
@@ -117,18 +120,33 @@ bool DriveAlarms::any(config::Severity severity) const noexcept {
   });
 }
 
-void DriveAlarms::show_emcy(canopen::WallTime wall) {
-  if (record(AlarmKind::emcy)
-          .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), wall)) {
-    changed_(AlarmKind::emcy);
+void DriveAlarms::set_first(AlarmKind kind, bool first, canopen::WallTime wall) {
+  if (record(kind).set_first(first, wall) && telling_ != kind) {
+    changed_(kind);
   }
 }
 
-void DriveAlarms::show(AlarmKind kind, bool active, std::string text, config::Severity severity,
-                       canopen::WallTime wall) {
-  if (record(kind).show(active, std::move(text), severity, wall)) {
-    changed_(kind);
+void DriveAlarms::show_emcy(canopen::WallTime wall, canopen::TimePoint at) {
+  if (record(AlarmKind::emcy)
+          .show(emergencies_.errors(), emergencies_.error_register(), emergencies_.confirmed(), wall)) {
+    tell(AlarmKind::emcy, at);
   }
+}
+
+void DriveAlarms::show(AlarmKind kind, bool active, std::string_view reason, std::string text,
+                       canopen::WallTime wall) {
+  if (record(kind).show(active, std::string(reason), std::move(text), severity_of(kind), wall)) {
+    tell(kind, canopen::Clock::now());
+  }
+}
+
+void DriveAlarms::tell(AlarmKind kind, canopen::TimePoint at) {
+  if (fault_began_ && record(kind).fault_began()) {
+    telling_ = kind;
+    fault_began_(kind, at);
+    telling_.reset();
+  }
+  changed_(kind);
 }
 
 }  // namespace alarms
