@@ -133,8 +133,7 @@ void DriveAlarms::show_emcy(canopen::WallTime wall, canopen::TimePoint at) {
   }
 }
 
-void DriveAlarms::show(AlarmKind kind, bool active, std::string_view reason, std::string text,
-                       canopen::WallTime wall) {
+void DriveAlarms::show(AlarmKind kind, bool active, std::string_view reason, std::string text, canopen::WallTime wall) {
   if (record(kind).show(active, std::string(reason), std::move(text), severity_of(kind), wall)) {
     tell(kind, canopen::Clock::now());
   }

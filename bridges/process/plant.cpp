@@ -134,10 +134,10 @@ std::size_t Plant::with_alarm() const noexcept {
 void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   Body::Line& line = body_->lines[bus];
   line.state = state;
+  body_->show(bus, state.condition);
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);
   }
-  body_->show(bus, state.condition);
 }
 
 const canopen::BusState& Plant::bus_state(std::size_t bus) const noexcept {
