@@ -41,8 +41,8 @@ std::string value_of(const process::Drive& drive, std::string_view name, canopen
 std::string alarms_of(const process::Drive& drive) {
   std::string text;
   for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.active) {
-      text += fmt::format("   ALARM {}: {}", alarms::name_of(kind), alarm.text);
+    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.known && alarm.active) {
+      text += fmt::format("   ALARM {}{}: {}", alarms::name_of(kind), alarm.first ? " (first)" : "", alarm.text);
     }
   }
   return text;

@@ -3,28 +3,11 @@
 #include <spdlog/spdlog.h>
 
 namespace gateway {
-namespace {
 
-spdlog::level::level_enum level_of(const alarms::Alarm& alarm) noexcept {
-  if (!alarm.active) {
-    return spdlog::level::info;
-  }
-  return alarm.severity == config::Severity::fault ? spdlog::level::err : spdlog::level::warn;
-}
-
-spdlog::level::level_enum level_of(const canopen::BusState& state) noexcept {
-  if (!state.up()) {
-    return spdlog::level::err;
-  }
-  return state.condition == canopen::BusCondition::error_active ? spdlog::level::info : spdlog::level::warn;
-}
-
-}  // namespace
-
-EventLog::EventLog(const process::Plant& plant)
-    : plant_(plant),
-      told_(plant.model().drives.size()),
-      bus_told_(plant.model().buses.size()),
+EventLog::EventLog(const boost::asio::any_io_executor& executor, const process::Plant& plant)
+    : told_(plant.model().drives.size()),
+      alarms_(executor, plant,
+              [](spdlog::level::level_enum level, const std::string& line) { spdlog::log(level, "{}", line); }),
       commands_([](const std::string& line) { spdlog::info("{}", line); }) {}
 
 void EventLog::on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
@@ -49,12 +32,7 @@ void EventLog::on_status(const process::Drive& drive) {
 }
 
 void EventLog::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
-  const alarms::Alarm& alarm = drive.alarm(kind);
-  if (alarm.id.empty()) {
-    return;
-  }
-  spdlog::log(level_of(alarm), "{}: alarm {} {}: 0x{:04X} {}", drive.model().name, alarms::name_of(kind),
-              alarm.active ? (alarm.confirmed ? "active" : "active, not confirmed") : "over", alarm.code, alarm.text);
+  alarms_.on_alarm(drive, kind);
 }
 
 void EventLog::on_remark(const process::Drive& drive, const std::string& text) {
@@ -67,12 +45,11 @@ void EventLog::on_command_done(const process::Drive& /*drive*/, const process::C
 }
 
 void EventLog::on_bus(std::size_t bus) {
-  const canopen::BusState& state = plant_.bus_state(bus);
-  if (bus_told_[bus] == state.condition) {
-    return;
-  }
-  bus_told_[bus] = state.condition;
-  spdlog::log(level_of(state), "bus {}: {}", plant_.model().buses[bus].name, canopen::describe(state.condition));
+  alarms_.on_bus(bus);
+}
+
+void EventLog::on_bus_alarm(std::size_t bus) {
+  alarms_.on_bus(bus);
 }
 
 }  // namespace gateway

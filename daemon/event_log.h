@@ -1,12 +1,13 @@
 #pragma once
 
+#include <boost/asio/any_io_executor.hpp>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
+#include "daemon/alarm_log.h"
 #include "daemon/command_log.h"
 
 namespace gateway {
@@ -15,7 +16,7 @@ namespace gateway {
 /// line per frame or value.
 class EventLog final : public process::Observer {
  public:
-  explicit EventLog(const process::Plant& plant);
+  EventLog(const boost::asio::any_io_executor& executor, const process::Plant& plant);
 
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
@@ -23,6 +24,7 @@ class EventLog final : public process::Observer {
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
+  void on_bus_alarm(std::size_t bus) override;
   void on_remark(const process::Drive& drive, const std::string& text) override;
   void on_command_done(const process::Drive& drive, const process::CommandRecord& record,
                        const process::Outcome& outcome) override;
@@ -33,9 +35,8 @@ class EventLog final : public process::Observer {
     canopen::NmtState nmt = canopen::NmtState::unknown;
   };
 
-  const process::Plant& plant_;
   std::vector<Told> told_;
-  std::vector<std::optional<canopen::BusCondition>> bus_told_;
+  AlarmLog alarms_;
   CommandLog commands_;
 };
 

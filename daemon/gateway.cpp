@@ -56,7 +56,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     : journal_(make_journal(executor, model.gateway)),
       buses_(make_buses(executor, model, make_link)),
       plant_(executor, model, ports(buses_)),
-      event_log_(plant_) {
+      event_log_(executor, plant_) {
   for (std::size_t i = 0; journal_ && i < plant_.size(); ++i) {
     plant_.drive(i).set_journal(journal_.get());
   }

@@ -20,12 +20,23 @@ const AlarmError& foremost(const std::vector<AlarmError>& errors) {
   return *best;
 }
 
+// An error keeps its beginning when it gets another name, and its name when it comes again.
+bool has_new_fault(const std::vector<AlarmError>& before, const std::vector<AlarmError>& now) {
+  return std::any_of(now.begin(), now.end(), [&](const AlarmError& error) {
+    return error.severity == config::Severity::fault &&
+           std::none_of(before.begin(), before.end(), [&](const AlarmError& old) {
+             return old.severity == config::Severity::fault &&
+                    (old.since == error.since || (old.code == error.code && old.vendor == error.vendor));
+           });
+  });
+}
+
 }  // namespace
 
 AlarmRecord::AlarmRecord(std::string name) : name_(std::move(name)) {}
 
 bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_register, bool confirmed,
-                       canopen::WallTime now) {
+                       canopen::WallTime now, std::string reason) {
   const Alarm before = alarm_;
   alarm_.errors = std::move(errors);
   alarm_.active = !alarm_.errors.empty();
@@ -38,6 +49,7 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
     alarm_.text = error.text;
     alarm_.severity = error.severity;
     alarm_.vendor = error.vendor;
+    alarm_.reason = std::move(reason);
   }
   if (alarm_.active && !before.active) {
     ++alarm_.count;
@@ -46,11 +58,21 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
     alarm_.id =
         name_ + "-" + canopen::hex(static_cast<std::uint64_t>(milliseconds), 11) + "-" + std::to_string(alarm_.count);
     alarm_.since = now;
+    alarm_.first = false;
   }
+  fault_began_ = has_new_fault(before.errors, alarm_.errors);
   if (!alarm_.active && before.active) {
     alarm_.cleared = now;
   }
   if (alarm_ == before) {
+    return false;
+  }
+  alarm_.ts = now;
+  return true;
+}
+
+bool AlarmRecord::set_first(bool first, canopen::WallTime now) {
+  if (std::exchange(alarm_.first, first) == first) {
     return false;
   }
   alarm_.ts = now;
@@ -73,17 +95,10 @@ bool AlarmRecord::continue_from(const Alarm& before) {
 bool AlarmRecord::show(bool active, std::string reason, std::string text, config::Severity severity,
                        canopen::WallTime now) {
   std::vector<AlarmError> errors;
-  bool reason_changed = false;
   if (active) {
-    reason_changed = alarm_.reason != reason;
-    alarm_.reason = std::move(reason);
     errors.push_back({0, {}, std::move(text), severity, alarm_.active ? alarm_.since : now});
   }
-  const bool changed = show(std::move(errors), 0, true, now);
-  if (reason_changed) {
-    alarm_.ts = now;
-  }
-  return changed || reason_changed;
+  return show(std::move(errors), 0, true, now, std::move(reason));
 }
 
 void AlarmRecord::restore(const Alarm& before) {

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "bridges/alarms/reason.h"
+
 namespace alarms {
 namespace {
 
@@ -43,14 +45,14 @@ DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed)
 
 void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
   if (errors_.on_emcy(emcy, at, wall)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
 void DriveAlarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
                          canopen::WallTime wall) {
   if (errors_.on_signal(severity, set, period, at, wall)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
@@ -62,7 +64,7 @@ void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
 
 void DriveAlarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
   if (errors_.on_readings(readings, at, wall)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
@@ -72,7 +74,7 @@ void DriveAlarms::on_stale_bit(config::Severity severity, canopen::TimePoint at)
 
 void DriveAlarms::on_error_register(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
   if (errors_.on_error_register(readings, at)) {
-    show_emcy(wall);
+    show_emcy(wall, at);
   }
 }
 
@@ -81,9 +83,9 @@ void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime
   if (errors_.on_online(status.online)) {
     show_emcy(wall);
   }
-  show(AlarmKind::heartbeat, status.lost, {}, heartbeat_text(model_, status), config::Severity::fault, wall);
-  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), {}, boot_text(status),
-       config::Severity::fault, wall);
+  show(AlarmKind::heartbeat, status.lost, heartbeat_reason(status), heartbeat_text(model_, status), wall);
+  show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_reason(status),
+       boot_text(status), wall);
 }
 
 void DriveAlarms::on_data_problems(const std::vector<DataProblem>& problems, canopen::WallTime wall) {
@@ -91,12 +93,13 @@ void DriveAlarms::on_data_problems(const std::vector<DataProblem>& problems, can
   for (const DataProblem& problem : problems) {
     text += text.empty() ? problem.text : "; " + problem.text;
   }
-  std::string reason = problems.empty() ? std::string() : std::string(name_of(problems.front().reason));
-  show(AlarmKind::data, !problems.empty(), std::move(reason), std::move(text), config::Severity::warning, wall);
+  const std::string_view reason = problems.empty() ? std::string_view() : name_of(problems.front().reason);
+  show(AlarmKind::data, !problems.empty(), reason, std::move(text), wall);
 }
 
 void DriveAlarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
-  show(AlarmKind::control, alarm.has_value(), {}, alarm ? alarm->text : std::string(), config::Severity::fault, wall);
+  show(AlarmKind::control, alarm.has_value(), alarm ? name_of(alarm->reason) : std::string_view(),
+       alarm ? alarm->text : std::string(), wall);
 }
 
 void DriveAlarms::restore_emcy(const Alarm& before) {
@@ -127,17 +130,32 @@ bool DriveAlarms::any(config::Severity severity) const noexcept {
   });
 }
 
-void DriveAlarms::show_emcy(canopen::WallTime wall) {
-  if (record(AlarmKind::emcy).show(errors_.errors(), errors_.error_register(), errors_.confirmed(), wall)) {
-    changed_(AlarmKind::emcy);
+void DriveAlarms::set_first(AlarmKind kind, bool first, canopen::WallTime wall) {
+  if (record(kind).set_first(first, wall) && telling_ != kind) {
+    changed_(kind);
   }
 }
 
-void DriveAlarms::show(AlarmKind kind, bool active, std::string reason, std::string text, config::Severity severity,
-                       canopen::WallTime wall) {
-  if (record(kind).show(active, std::move(reason), std::move(text), severity, wall)) {
-    changed_(kind);
+void DriveAlarms::show_emcy(canopen::WallTime wall, canopen::TimePoint at) {
+  if (record(AlarmKind::emcy)
+          .show(errors_.errors(), errors_.error_register(), errors_.confirmed(), wall)) {
+    tell(AlarmKind::emcy, at);
   }
+}
+
+void DriveAlarms::show(AlarmKind kind, bool active, std::string_view reason, std::string text, canopen::WallTime wall) {
+  if (record(kind).show(active, std::string(reason), std::move(text), severity_of(kind), wall)) {
+    tell(kind, canopen::Clock::now());
+  }
+}
+
+void DriveAlarms::tell(AlarmKind kind, canopen::TimePoint at) {
+  if (fault_began_ && record(kind).fault_began()) {
+    telling_ = kind;
+    fault_began_(kind, at);
+    telling_.reset();
+  }
+  changed_(kind);
 }
 
 }  // namespace alarms

@@ -3,7 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bridges/alarms/alarm.h"
@@ -25,6 +28,14 @@ class DriveAlarms {
 
   /// `model` outlives it.
   DriveAlarms(const config::Drive& model, Changed changed);
+
+  using FaultBegan = std::function<void(AlarmKind kind, canopen::TimePoint at)>;
+
+  /// Told of each fault that becomes active, before `changed` and in the same call; it may call set_first(). `at`: when
+  /// the frame came that told of it; of the other kinds than emcy when it was noticed. Not told of what is restored.
+  void on_fault_began(FaultBegan began) { fault_began_ = std::move(began); }
+  /// Alarm::first of the present activation.
+  void set_first(AlarmKind kind, bool first, canopen::WallTime wall);
 
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall);
   void on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
@@ -55,12 +66,14 @@ class DriveAlarms {
 
  private:
   [[nodiscard]] AlarmRecord& record(AlarmKind kind) noexcept { return records_[static_cast<std::size_t>(kind)]; }
-  void show_emcy(canopen::WallTime wall);
-  void show(AlarmKind kind, bool active, std::string reason, std::string text, config::Severity severity,
-            canopen::WallTime wall);
+  void show_emcy(canopen::WallTime wall, canopen::TimePoint at = canopen::Clock::now());
+  void show(AlarmKind kind, bool active, std::string_view reason, std::string text, canopen::WallTime wall);
+  void tell(AlarmKind kind, canopen::TimePoint at);
 
   const config::Drive& model_;
   Changed changed_;
+  FaultBegan fault_began_;
+  std::optional<AlarmKind> telling_;  ///< `changed` is told of it as soon as its flag is known.
   ErrorList errors_;
   std::array<AlarmRecord, kAlarmKinds.size()> records_;
   bool was_online_ = false;

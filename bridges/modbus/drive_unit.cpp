@@ -124,6 +124,8 @@ Diagnostics DriveUnit::diagnostics(Range range, canopen::TimePoint now) const {
     return {};
   }
   Diagnostics block = diagnostics_of(drive(), table_.word_order(), now);
+  const std::optional<alarms::FaultSource> first = plant_.first_out();
+  block[kFirstOutRegister - kDiagnosticsBegin] = first && !first->bus && first->index == index_ ? 1 : 0;
   block[kNmtCommandRegister - kDiagnosticsBegin] = last_nmt_command_;
   if (end <= kFreshBitsBegin || range.address >= kFreshBitsBegin + kFreshWords) {
     return block;

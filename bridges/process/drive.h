@@ -98,6 +98,10 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   /// Before start(); null: none is kept. Outlives the drive.
   void set_journal(CommandJournal* journal) noexcept { commands_.set_journal(journal); }
 
+  /// Before start(), see alarms::DriveAlarms.
+  void on_fault_began(alarms::DriveAlarms::FaultBegan began) { alarms_.on_fault_began(std::move(began)); }
+  void set_first(alarms::AlarmKind kind, bool first) { alarms_.set_first(kind, first, canopen::wall_now()); }
+
   /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
   /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
   /// Nothing for a drive that is out of service.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bridges/alarms/alarm_record.h"
+#include "bridges/alarms/reason.h"
 #include "bridges/process/observer.h"
 
 namespace process {
@@ -24,6 +25,38 @@ class Plant::Body {
     for (std::size_t i = 0; i < model.drives.size(); ++i) {
       const config::Drive& drive = model.drives[i];
       drives.push_back(std::make_unique<Drive>(executor, drive, i, *lines[drive.bus].port.bus, observers));
+      drives.back()->on_fault_began([this, i](alarms::AlarmKind kind, canopen::TimePoint at) {
+        first_out.on_fault({.index = i, .kind = kind}, at, drives[i]->alarm(kind).first);
+      });
+    }
+  }
+
+  void show(std::size_t bus, canopen::BusCondition condition) {
+    alarms::AlarmRecord& alarm = lines[bus].alarm;
+    const bool active = condition != canopen::BusCondition::error_active;
+    if (!alarm.show(active, std::string(alarms::bus_reason(condition)), std::string(canopen::describe(condition)),
+                    alarms::severity_of(condition), canopen::wall_now())) {
+      return;
+    }
+    if (alarm.fault_began()) {
+      telling_bus = bus;
+      first_out.on_fault({.bus = true, .index = bus}, canopen::Clock::now(), alarm.alarm().first);
+      telling_bus.reset();
+    }
+    tell_bus_alarm(bus);
+  }
+
+  void set_first(const alarms::FaultSource& source, bool first) {
+    if (!source.bus) {
+      drives[source.index]->set_first(source.kind, first);
+    } else if (lines[source.index].alarm.set_first(first, canopen::wall_now()) && telling_bus != source.index) {
+      tell_bus_alarm(source.index);
+    }
+  }
+
+  void tell_bus_alarm(std::size_t bus) const {
+    for (Observer* observer : observers) {
+      observer->on_bus_alarm(bus);
     }
   }
 
@@ -31,6 +64,8 @@ class Plant::Body {
   std::vector<Observer*> observers;
   std::vector<Line> lines;
   std::vector<std::unique_ptr<Drive>> drives;
+  alarms::FirstOut first_out{[this](const alarms::FaultSource& source, bool first) { set_first(source, first); }};
+  std::optional<std::size_t> telling_bus;  ///< Its alarm is told of as soon as its flag is known.
 };
 
 Plant::Plant(boost::asio::any_io_executor executor, const config::Model& model, std::vector<BusPort> buses)
@@ -99,15 +134,9 @@ std::size_t Plant::with_alarm() const noexcept {
 void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   Body::Line& line = body_->lines[bus];
   line.state = state;
-  const bool active = state.condition != canopen::BusCondition::error_active;
-  const bool changed =
-      line.alarm.show(active, {}, std::string(canopen::describe(state.condition)),
-                      state.up() ? config::Severity::warning : config::Severity::fault, canopen::wall_now());
+  body_->show(bus, state.condition);
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);
-    if (changed) {
-      observer->on_bus_alarm(bus);
-    }
   }
 }
 
@@ -122,6 +151,14 @@ canopen::BusStatistics Plant::bus_statistics(std::size_t bus) const {
 
 const alarms::Alarm& Plant::bus_alarm(std::size_t bus) const noexcept {
   return body_->lines[bus].alarm.alarm();
+}
+
+std::optional<alarms::FaultSource> Plant::first_out() const {
+  return body_->first_out.newest_group();
+}
+
+void Plant::restore_first_out(const alarms::FaultSource& newest) {
+  body_->first_out.restore(newest);
 }
 
 std::vector<ActiveAlarm> Plant::active_alarms() const {

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "bridges/alarms/first_out.h"
 #include "bridges/process/drive.h"
 #include "canopen/bus/bus_state.h"
 #include "config/model.h"
@@ -57,6 +59,11 @@ class Plant {
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
   [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;
   [[nodiscard]] const alarms::Alarm& bus_alarm(std::size_t bus) const noexcept;
+
+  /// Whose fault was the first of the newest group (alarms::FirstOut): register 1016. Nothing: no fault yet.
+  [[nodiscard]] std::optional<alarms::FaultSource> first_out() const;
+  /// As it was before our start. Before start().
+  void restore_first_out(const alarms::FaultSource& newest);
 
   /// All that are known and active, oldest first; those of one moment in the order of drives, kinds, buses. The
   /// pointers hold until the next change of an alarm.

@@ -15,6 +15,13 @@
 
 namespace canopen {
 
+/// Why a node with letter J is neither configured nor started.
+enum class HeldBack : std::uint8_t {
+  no,                ///< It is not held back.
+  left_operational,  ///< It left operational by itself.
+  found_stopped      ///< Somebody stopped it before we came.
+};
+
 /// What is known of a node right now.
 struct NodeStatus {
   bool online = false;      ///< Error control alive, and booted or taken over, and the bus up.
@@ -22,6 +29,7 @@ struct NodeStatus {
   NmtState nmt = NmtState::unknown;
   BootResult boot_result = BootResult::not_booted;
   std::string boot_text;  ///< Why boot_result is a letter, or why no more is known. Empty: nothing is wrong.
+  HeldBack held_back = HeldBack::no;        ///< Of meaning beside `not_configured` only.
   std::optional<TimePoint> last_heartbeat;  ///< Heartbeat, boot-up or guarding answer.
   bool lost = false;           ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
   std::uint16_t boot_ups = 0;  ///< Counters wrap.

@@ -292,6 +292,7 @@ boost::asio::awaitable<void> RemoteNode::wait_for_retry(Life& life, BootReport r
       status.configured = false;
       status.boot_result = report.letter;
       status.boot_text = std::move(report.text);
+      status.held_back = HeldBack::no;
     });
   }
   co_await pause(life, Clock::now() + (told_by_itself ? kLookInterval : kRetryInterval));
@@ -308,6 +309,7 @@ boost::asio::awaitable<void> RemoteNode::hold_back(Life& life, FoundState found)
       note_not_booted(status);
     } else if (found == FoundState::stopped) {
       status.boot_result = BootResult::not_configured;
+      status.held_back = HeldBack::found_stopped;
       status.boot_text = "it was found stopped; it is left so until an NMT start command or its boot-up";
     }
   });

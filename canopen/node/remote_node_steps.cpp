@@ -102,6 +102,7 @@ void RemoteNode::go_online(Arrival arrival) {
     status.lost = false;
     status.nmt = heard_.state.value_or(status.nmt);
     status.boot_result = BootResult::ok;
+    status.held_back = HeldBack::no;
     status.boot_text.clear();
   });
   events_.on_arrival(arrival);
@@ -187,6 +188,7 @@ boost::asio::awaitable<void> RemoteNode::restart_if_due(Life& life) {
 
 void RemoteNode::note_left_by_itself(NodeStatus& status) const {
   status.boot_result = BootResult::not_configured;
+  status.held_back = HeldBack::left_operational;
   status.boot_text = "the drive left operational by itself and is " + std::string(name_of(status.nmt)) + "; ";
   if (!hold_reason_.empty()) {
     status.boot_text += "it is not started again yet: " + hold_reason_;
@@ -212,6 +214,7 @@ void RemoteNode::note_not_booted(NodeStatus& status) {
   status.online = false;
   status.configured = false;
   status.boot_result = BootResult::not_booted;
+  status.held_back = HeldBack::no;
   status.boot_text.clear();
 }
 

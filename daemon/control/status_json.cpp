@@ -102,10 +102,12 @@ void append_alarm(std::string& out, std::string_view kind, const alarms::Alarm& 
   ObjectText object(out);
   object.text("kind", kind);
   object.text("code", fmt::format("0x{:04X}", alarm.code));
+  object.text("reason", alarm.reason);
   object.text("text", alarm.text);
   object.text("severity", alarm.severity == config::Severity::fault ? "fault" : "warning");
   object.text("since", text::timestamp(alarm.since));
   object.boolean("confirmed", alarm.confirmed);
+  object.boolean("first", alarm.first);
   object.close();
 }
 
@@ -113,7 +115,7 @@ void append_alarms(std::string& out, const process::Drive& drive) {
   out += '[';
   bool first = true;
   for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.active) {
+    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.known && alarm.active) {
       text::append_separator(out, first);
       append_alarm(out, alarms::name_of(kind), alarm);
     }

@@ -128,8 +128,11 @@ std::string remarks(const json::object& drive) {
     out += fmt::format("{}: held by {}\n", name, holder);
   }
   for_each_object(drive, "alarms", [&](const json::object& alarm) {
-    out += fmt::format("{}: alarm {}: {} {} (since {})\n", name, shown(alarm, "kind"), shown(alarm, "code"),
-                       shown(alarm, "text"), shown(alarm, "since"));
+    const std::string reason = shown(alarm, "reason");
+    const bool first = shown(alarm, "first") == "yes";
+    out +=
+        fmt::format("{}: alarm {}{}: {} {} (since {})\n", name, shown(alarm, "kind"), first ? ", first" : "",
+                    reason.empty() ? shown(alarm, "code") : reason + ":", shown(alarm, "text"), shown(alarm, "since"));
   });
   return out;
 }

@@ -26,6 +26,7 @@ class HeldNodeTest : public NodeCommandBench {
   }
   void expect_held() {
     EXPECT_EQ(status().boot_result, BootResult::not_configured);
+    EXPECT_EQ(status().held_back, HeldBack::left_operational);
     EXPECT_NE(status().boot_text.find("left operational by itself"), std::string::npos) << status().boot_text;
     EXPECT_EQ(status().nmt, NmtState::pre_operational);
     EXPECT_TRUE(slave_.writes().empty());

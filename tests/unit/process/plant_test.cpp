@@ -10,6 +10,19 @@ namespace {
 using canopen::BusCondition;
 using namespace std::chrono_literals;
 
+/// Of which buses the alarm was told.
+class BusAlarms final : public Observer {
+ public:
+  void on_values(const Drive&, std::span<const SignalId>) override {}
+  void on_freshness(const Drive&, std::span<const SignalId>) override {}
+  void on_commanded(const Drive&, std::span<const SignalId>) override {}
+  void on_status(const Drive&) override {}
+  void on_alarm(const Drive&, alarms::AlarmKind) override {}
+  void on_bus(std::size_t) override {}
+  void on_bus_alarm(std::size_t bus) override { told.push_back(bus); }
+  std::vector<std::size_t> told;
+};
+
 class PlantTest : public testing::Test {
  protected:
   PlantTest() {
@@ -28,6 +41,7 @@ class PlantTest : public testing::Test {
                                                                     return statistics;
                                                                   }}});
     plant_->add(observer_);
+    plant_->add(bus_alarms_);
   }
   ~PlantTest() override {
     const auto stopped = support::spawn(loop_.executor(), plant_->stop());
@@ -45,6 +59,7 @@ class PlantTest : public testing::Test {
   support::ScriptedSlave slave_{loop_.executor(), wire_, 5};
   config::Model model_;
   RecordedObserver observer_;
+  BusAlarms bus_alarms_;
   std::unique_ptr<Plant> plant_;
 };
 
@@ -84,6 +99,23 @@ TEST_F(PlantTest, BusStateAndAlarm) {
   EXPECT_EQ(plant_->bus_alarm(0).count, 2U);
   EXPECT_EQ(observer_.buses.size(), 5U);
   EXPECT_EQ(plant_->bus_statistics(0).frames_sent, 42U);
+}
+
+TEST_F(PlantTest, ErrorCountersAloneAreNoChangeOfABusAlarm) {
+  plant_->set_bus_state(0, {BusCondition::passive, 128, 0});
+  ASSERT_EQ(bus_alarms_.told, (std::vector<std::size_t>{0}));
+  const alarms::Alarm told = plant_->bus_alarm(0);
+  EXPECT_EQ(told.reason, "passive");
+  for (std::uint16_t errors = 129; errors < 149; ++errors) {
+    loop_.advance(1ms);
+    plant_->set_bus_state(0, {BusCondition::passive, errors, 0});
+  }
+  EXPECT_EQ(bus_alarms_.told.size(), 1U);
+  EXPECT_EQ(plant_->bus_alarm(0), told);
+  EXPECT_EQ(observer_.buses.size(), 21U);
+  plant_->set_bus_state(0, {BusCondition::bus_off, 255, 0});
+  EXPECT_EQ(bus_alarms_.told.size(), 2U) << "once, with its flag";
+  EXPECT_TRUE(plant_->bus_alarm(0).first);
 }
 
 TEST_F(PlantTest, ListsWhatIsActiveOldestFirst) {

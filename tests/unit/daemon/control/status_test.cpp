@@ -17,7 +17,9 @@ TEST(ControlStatusTable, ShowsDrivesAndBelowWhatIsWrong) {
                              R"({"name":"fan1","bus":"can1","node":103,"online":false,"nmt":"unknown","boot":"B",)"
                              R"("boot_text":"no SDO answer","heartbeat_age":null,"fresh":false,"values":{},)"
                              R"("commanded":{},"control":{"holder":null},"alarms":[{"kind":"heartbeat",)"
-                             R"("code":"0x0000","text":"it is gone","since":"2026-01-02T03:04:05.678Z"}]}]})";
+                             R"("code":"0x0000","reason":"lost","text":"it is gone","since":"2026-01-02T03:04:05.678Z","first":true},)"
+                             R"({"kind":"emcy","code":"0x0005","reason":"","text":"Overcurrent",)"
+                             R"("since":"2026-01-02T03:04:06.000Z","first":false}]}]})";
   EXPECT_EQ(status_table(status),
             "gateway line3 0.1.0, up 12.3 s\n"
             "bus can0  error-active  load 27.3 %\n"
@@ -28,7 +30,8 @@ TEST(ControlStatusTable, ShowsDrivesAndBelowWhatIsWrong) {
             "fan1   can1  103   offline      B                no\n"
             "pump1: held by modbus 192.0.2.7\n"
             "fan1: boot: no SDO answer\n"
-            "fan1: alarm heartbeat: 0x0000 it is gone (since 2026-01-02T03:04:05.678Z)\n");
+            "fan1: alarm heartbeat, first: lost: it is gone (since 2026-01-02T03:04:05.678Z)\n"
+            "fan1: alarm emcy: 0x0005 Overcurrent (since 2026-01-02T03:04:06.000Z)\n");
 }
 
 TEST(ControlStatusTable, ADriveOutOfServiceIsNotOffline) {

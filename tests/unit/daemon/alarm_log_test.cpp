@@ -1,0 +1,178 @@
+#include "daemon/alarm_log.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bridges/process/observer.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/virtual_link.h"
+#include "tests/support/hand_driven_loop.h"
+#include "tests/support/scripted_slave.h"
+#include "tests/support/spawn.h"
+#include "tests/unit/process/test_drive.h"
+
+namespace gateway {
+namespace {
+
+using namespace std::chrono_literals;
+using canopen::BusCondition;
+using Lines = std::vector<std::string>;
+
+/// A drive that says nothing but emergencies, and what is logged of it.
+class AlarmLogTest : public testing::Test, private process::Observer {
+ protected:
+  AlarmLogTest() {
+    model_.buses.resize(1);
+    model_.buses[0].name = "can0";
+    model_.drives = {process::test::drive()};
+    bus_.start();
+    plant_ =
+        std::make_unique<process::Plant>(loop_.executor(), model_, std::vector<process::Plant::BusPort>{{&bus_, {}}});
+    plant_->add(*this);
+    log_ = std::make_unique<AlarmLog>(loop_.executor(), *plant_,
+                                      [this](spdlog::level::level_enum level, const std::string& line) {
+                                        lines_.push_back(line);
+                                        levels_.push_back(level);
+                                      });
+    plant_->start();
+    loop_.settle();
+  }
+  ~AlarmLogTest() override {
+    const auto stopped = support::spawn(loop_.executor(), plant_->stop());
+    loop_.settle();
+    EXPECT_TRUE(*stopped);
+    log_.reset();
+    plant_.reset();
+    const auto bus_stopped = support::spawn(loop_.executor(), bus_.stop());
+    loop_.settle();
+    EXPECT_TRUE(*bus_stopped);
+  }
+
+  void emcy(std::uint8_t code) {
+    slave_.send(0x085, {code, 0, static_cast<std::uint8_t>(code != 0 ? 1 : 0), code, 0, 0, 0, 0});
+    loop_.settle();
+  }
+  void bus(BusCondition condition, std::uint16_t errors = 0) {
+    plant_->set_bus_state(0, {condition, errors, 0});
+    loop_.settle();
+  }
+  /// Since the last call.
+  Lines lines() { return std::exchange(lines_, {}); }
+
+  support::HandDrivenLoop loop_;
+  std::vector<spdlog::level::level_enum> levels_;
+
+ private:
+  void on_values(const process::Drive&, std::span<const process::SignalId>) override {}
+  void on_freshness(const process::Drive&, std::span<const process::SignalId>) override {}
+  void on_commanded(const process::Drive&, std::span<const process::SignalId>) override {}
+  void on_status(const process::Drive&) override {}
+  void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override { log_->on_alarm(drive, kind); }
+  void on_bus(std::size_t bus) override { log_->on_bus(bus); }
+  void on_bus_alarm(std::size_t bus) override { log_->on_bus(bus); }
+
+  canopen::VirtualBus wire_{loop_.executor()};
+  canopen::Bus bus_{loop_.executor(), wire_.connect(), quiet()};
+  support::ScriptedSlave slave_{loop_.executor(), wire_, 5};
+  config::Model model_;
+  std::unique_ptr<process::Plant> plant_;
+  std::unique_ptr<AlarmLog> log_;
+  Lines lines_;
+
+  static canopen::BusSettings quiet() {
+    canopen::BusSettings settings;
+    settings.heartbeat = {};
+    return settings;
+  }
+};
+
+TEST_F(AlarmLogTest, AFaultThatCameFirstIsNamedSo) {
+  emcy(4);
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed, first: 0x0004 Overcurrent during acceleration"}));
+  EXPECT_EQ(levels_, (std::vector{spdlog::level::err}));
+  loop_.advance(1s);
+  EXPECT_EQ(lines(), Lines{}) << "told already";
+}
+
+TEST_F(AlarmLogTest, AWarningIsNoError) {
+  emcy(0x40);
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed: 0x0040 Undervoltage while stopped"}));
+  EXPECT_EQ(levels_, (std::vector{spdlog::level::warn}));
+}
+
+TEST_F(AlarmLogTest, AStormIsTwoLinesASecondWithTheLastStateAtTheEnd) {
+  for (int i = 0; i < 1000; ++i) {
+    emcy(4);
+    emcy(0);
+    loop_.advance(1ms);
+  }
+  const Lines during = lines();
+  ASSERT_EQ(during.size(), 3U) << "at once, after half a second, after a second";
+  EXPECT_EQ(during[0], "pump1: alarm emcy active, not confirmed, first: 0x0004 Overcurrent during acceleration");
+  EXPECT_EQ(during[1], "pump1: alarm emcy over: 0x0004 Overcurrent during acceleration (499 more in between)");
+  EXPECT_EQ(during[2], "pump1: alarm emcy over: 0x0004 Overcurrent during acceleration (500 more in between)");
+  emcy(5);
+  EXPECT_EQ(lines(), Lines{});
+  loop_.advance(500ms);
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed: 0x0005 Overcurrent during deceleration"}));
+  loop_.advance(5s);
+  for (const std::string& line : lines()) {
+    EXPECT_EQ(line.find("alarm emcy"), std::string::npos) << line;
+  }
+}
+
+TEST_F(AlarmLogTest, ActivationsBetweenTwoLinesAreCounted) {
+  emcy(4);
+  for (int i = 0; i < 3; ++i) {
+    emcy(0);
+    emcy(4);
+  }
+  ASSERT_EQ(lines().size(), 1U);
+  loop_.advance(500ms);
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed: 0x0004 Overcurrent during acceleration "
+                            "(2 more in between)"}));
+}
+
+TEST_F(AlarmLogTest, KindsWithoutACodeHaveAReason) {
+  bus(BusCondition::error_active);
+  (void)lines();
+  loop_.advance(5s);
+  const Lines told = lines();
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(
+      told[0],
+      "pump1: alarm boot active, first: no-heartbeat: K: no heartbeat within 1500 ms, although 0x1017:00 should be "
+      "500 ms");
+}
+
+TEST_F(AlarmLogTest, ABusHasALineForItsStateAndNoneForItsCounters) {
+  bus(BusCondition::error_active);
+  EXPECT_EQ(lines(), (Lines{"bus can0: up (error-active)"}));
+  loop_.advance(500ms);
+  bus(BusCondition::passive, 128);
+  EXPECT_EQ(lines(), (Lines{"bus can0: error-passive: no other node acknowledges, or the wiring disturbs"}));
+  for (std::uint16_t i = 0; i < 20; ++i) {
+    bus(BusCondition::passive, static_cast<std::uint16_t>(129 + i));
+    loop_.advance(10ms);
+  }
+  EXPECT_EQ(lines(), Lines{});
+  loop_.advance(300ms);
+  bus(BusCondition::bus_off, 255);
+  EXPECT_EQ(lines(), (Lines{"bus can0: bus-off: the controller has left the bus, first"}));
+  EXPECT_EQ(levels_, (std::vector{spdlog::level::info, spdlog::level::warn, spdlog::level::err}));
+  for (int i = 0; i < 4; ++i) {
+    bus(BusCondition::error_active);
+    bus(BusCondition::bus_off);
+  }
+  bus(BusCondition::error_active);
+  EXPECT_EQ(lines(), Lines{});
+  loop_.advance(500ms);
+  EXPECT_EQ(lines(), (Lines{"bus can0: up (error-active) (4 more in between)"}));
+}
+
+}  // namespace
+}  // namespace gateway
