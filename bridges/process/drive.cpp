@@ -6,6 +6,18 @@
 #include "bridges/alarms/fault_naming.h"
 
 namespace process {
+namespace {
+
+// A search ends sooner: it listens for the heartbeat's timeout, asks, and listens again. What restarts all the time may
+// never tell.
+canopen::Duration patience_of(const config::Drive& drive) {
+  return std::chrono::seconds(10) + 3 * drive.node.error_control.heartbeat_timeout;
+}
+
+/// What is not received this long after the drive became operational is told as missing, or is nothing to wait for.
+constexpr canopen::Duration kSettles = std::chrono::seconds(10);
+
+}  // namespace
 
 Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index,
              canopen::Bus& bus, const std::vector<Observer*>& observers)
@@ -26,6 +38,7 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
                 inputs_.expire(node_.heard_until());
                 arm_expiry();
               }),
+      patience_(executor, [this] { alarms_.on_patience_over(canopen::wall_now()); }),
       fault_(indicator(model.faults.fault)),
       warning_(indicator(model.faults.warning)),
       running_(indicator(model.faults.running)),
@@ -43,6 +56,7 @@ void Drive::start() {
   if (!model_.enabled) {
     return;
   }
+  patience_.arm(canopen::Clock::now() + patience_of(model_));
   node_.start();
   reader_.start();
 }
@@ -58,6 +72,7 @@ boost::asio::awaitable<void> Drive::stop() {
   co_await reader_.stop();
   co_await commands_.until_idle();
   expiry_.cancel();
+  patience_.cancel();
 }
 
 std::optional<Drive::Indicator> Drive::indicator(const std::optional<std::size_t>& signal) const {
@@ -84,6 +99,14 @@ void Drive::on_status(const canopen::NodeStatus& status) {
     } else {
       reader_.forget_errors();
       had_fault_emcy_.reset();
+    }
+  }
+  if (!status.online || status.nmt != canopen::NmtState::operational) {
+    operational_since_.reset();
+  } else if (!operational_since_) {
+    operational_since_ = canopen::Clock::now();
+    if (inputs_.plans().empty()) {  // Nothing will come.
+      alarms_.on_settled(canopen::wall_now());
     }
   }
   arm_expiry();
@@ -146,6 +169,7 @@ void Drive::on_values(SourceId source) {
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_values(*this, signals); });
   tell_alarms(source);
+  note_settled(source);
   arm_expiry();
 }
 
@@ -168,10 +192,25 @@ void Drive::on_read_wanted() {
   arm_expiry();
 }
 
+/// Once is enough: after that each problem is told as it comes.
+void Drive::note_settled(SourceId source) {
+  if (settled_ || !operational_since_) {
+    return;
+  }
+  const canopen::TimePoint at = image_.sources()[source].at;
+  if (image_.all_fresh(at) || at - *operational_since_ >= kSettles) {
+    settled_ = true;
+    alarms_.on_settled(canopen::wall_now());
+  }
+}
+
 /// Called for each frame, tells changes only.
 void Drive::tell_running(std::optional<bool> running) {
   if (std::exchange(told_running_, running) != running) {
     commands_.on_running(running);
+    if (running == true) {
+      alarms_.on_running(canopen::wall_now());
+    }
   }
 }
 
@@ -225,6 +264,9 @@ void Drive::on_control() {
 }
 
 void Drive::on_command_done(const CommandRecord& record, const Outcome& outcome) {
+  if (record.writes_control && outcome.has_value()) {
+    alarms_.on_control_command(canopen::wall_now());
+  }
   tell([&](Observer& observer) { observer.on_command_done(*this, record, outcome); });
 }
 

@@ -93,14 +93,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   /// Before start(); null: none is kept. Outlives the drive.
   void set_journal(CommandJournal* journal) noexcept { commands_.set_journal(journal); }
 
-  /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
-  /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
-  /// Nothing for a drive that is out of service.
-  void restore_emcy(const alarms::Alarm& alarm) {
-    if (model_.enabled) {
-      alarms_.restore_emcy(alarm);
-    }
-  }
+  /// As it was before our start, see alarms::DriveAlarms. Before start().
+  void restore(alarms::AlarmKind kind, const alarms::Alarm& before) { alarms_.restore(kind, before); }
 
  private:
   // canopen::NodeEvents
@@ -145,6 +139,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
   void watch_bits(canopen::TimePoint now);
   void arm_expiry();
+  void note_settled(SourceId source);
   template <class Tell>
   void tell(Tell tell_one) const;
 
@@ -159,6 +154,9 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   Reader reader_;
   canopen::WakeUp expiry_;
   canopen::TimePoint expiry_for_ = canopen::kNever;  ///< What it is set for.
+  canopen::WakeUp patience_;                         ///< Until then something decides what its alarms are.
+  std::optional<canopen::TimePoint> operational_since_;
+  bool settled_ = false;  ///< What it sends came, or long enough was waited for it.
 
   std::optional<Indicator> fault_;
   std::optional<Indicator> warning_;
