@@ -6,19 +6,6 @@
 #include "bridges/alarms/fault_naming.h"
 
 namespace process {
-namespace {
-
-// A search ends sooner: it listens for the heartbeat's timeout, asks, and listens again. What restarts all the time may
-// never tell.
-canopen::Duration patience_of(const config::Drive& drive) {
-  return std::chrono::seconds(10) + 3 * drive.node.error_control.heartbeat_timeout;
-}
-
-/// What is not received this long after the drive became operational is told as missing, or is nothing to wait for.
-constexpr canopen::Duration kSettles = std::chrono::seconds(10);
-
-}  // namespace
-
 Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index,
              canopen::Bus& bus, const std::vector<Observer*>& observers)
     : model_(model),
@@ -38,7 +25,7 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
                 inputs_.expire(node_.heard_until());
                 arm_expiry();
               }),
-      patience_(executor, [this] { alarms_.on_patience_over(canopen::wall_now()); }),
+      settling_(executor, model, image_, alarms_),
       fault_(indicator(model.faults.fault)),
       warning_(indicator(model.faults.warning)),
       running_(indicator(model.faults.running)),
@@ -56,7 +43,7 @@ void Drive::start() {
   if (!model_.enabled) {
     return;
   }
-  patience_.arm(canopen::Clock::now() + patience_of(model_));
+  settling_.start();
   node_.start();
   reader_.start();
 }
@@ -72,7 +59,7 @@ boost::asio::awaitable<void> Drive::stop() {
   co_await reader_.stop();
   co_await commands_.until_idle();
   expiry_.cancel();
-  patience_.cancel();
+  settling_.stop();
 }
 
 std::optional<Drive::Indicator> Drive::indicator(const std::optional<std::size_t>& signal) const {
@@ -101,14 +88,7 @@ void Drive::on_status(const canopen::NodeStatus& status) {
       had_fault_emcy_.reset();
     }
   }
-  if (!status.online || status.nmt != canopen::NmtState::operational) {
-    operational_since_.reset();
-  } else if (!operational_since_) {
-    operational_since_ = canopen::Clock::now();
-    if (inputs_.plans().empty()) {  // Nothing will come.
-      alarms_.on_settled(canopen::wall_now());
-    }
-  }
+  settling_.on_status(status);
   arm_expiry();
   tell([&](Observer& observer) { observer.on_status(*this); });
 }
@@ -169,7 +149,7 @@ void Drive::on_values(SourceId source) {
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_values(*this, signals); });
   tell_alarms(source);
-  note_settled(source);
+  settling_.on_values(source);
   arm_expiry();
 }
 
@@ -190,18 +170,6 @@ void Drive::on_problems() {
 void Drive::on_read_wanted() {
   reader_.wake();
   arm_expiry();
-}
-
-/// Once is enough: after that each problem is told as it comes.
-void Drive::note_settled(SourceId source) {
-  if (settled_ || !operational_since_) {
-    return;
-  }
-  const canopen::TimePoint at = image_.sources()[source].at;
-  if (image_.all_fresh(at) || at - *operational_since_ >= kSettles) {
-    settled_ = true;
-    alarms_.on_settled(canopen::wall_now());
-  }
 }
 
 /// Called for each frame, tells changes only.

@@ -16,6 +16,7 @@
 #include "bridges/process/inputs.h"
 #include "bridges/process/observer.h"
 #include "bridges/process/reader.h"
+#include "bridges/process/settling.h"
 #include "bridges/process/writer.h"
 #include "canopen/error.h"
 #include "canopen/nmt.h"
@@ -139,7 +140,6 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   void tell_bit(const std::optional<Indicator>& indicator, config::Severity severity, SourceId source);
   void watch_bits(canopen::TimePoint now);
   void arm_expiry();
-  void note_settled(SourceId source);
   template <class Tell>
   void tell(Tell tell_one) const;
 
@@ -154,9 +154,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   Reader reader_;
   canopen::WakeUp expiry_;
   canopen::TimePoint expiry_for_ = canopen::kNever;  ///< What it is set for.
-  canopen::WakeUp patience_;                         ///< Until then something decides what its alarms are.
-  std::optional<canopen::TimePoint> operational_since_;
-  bool settled_ = false;  ///< What it sends came, or long enough was waited for it.
+  Settling settling_;
 
   std::optional<Indicator> fault_;
   std::optional<Indicator> warning_;
