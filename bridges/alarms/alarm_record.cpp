@@ -1,10 +1,6 @@
 #include "bridges/alarms/alarm_record.h"
 
-#include <algorithm>
-#include <chrono>
 #include <utility>
-
-#include "canopen/hex.h"
 
 namespace alarms {
 namespace {
@@ -33,14 +29,16 @@ bool has_new_fault(const std::vector<AlarmError>& before, const std::vector<Alar
 
 }  // namespace
 
-AlarmRecord::AlarmRecord(std::string name) : name_(std::move(name)) {}
+AlarmRecord::AlarmRecord(NewId new_id) : new_id_(std::move(new_id)) {
+  alarm_.confirmed = false;
+}
 
 bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_register, bool confirmed,
                        canopen::WallTime now, std::string reason) {
   const Alarm before = alarm_;
+  alarm_.known = true;
   alarm_.errors = std::move(errors);
   alarm_.active = !alarm_.errors.empty();
-  alarm_.known = alarm_.known || alarm_.active;  // Somebody told so.
   alarm_.error_register = error_register;
   alarm_.confirmed = confirmed;
   if (alarm_.active) {
@@ -53,10 +51,7 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
   }
   if (alarm_.active && !before.active) {
     ++alarm_.count;
-    // The time tells it from ids of before a restart, the count from those of the same millisecond.
-    const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
-    alarm_.id =
-        name_ + "-" + canopen::hex(static_cast<std::uint64_t>(milliseconds), 11) + "-" + std::to_string(alarm_.count);
+    alarm_.id = new_id_();
     alarm_.since = now;
     alarm_.first = false;
   }
@@ -67,7 +62,9 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
   if (alarm_ == before) {
     return false;
   }
-  alarm_.ts = now;
+  if (before.known || alarm_.active) {  // That there is none is no change: it only became known.
+    alarm_.ts = now;
+  }
   return true;
 }
 
@@ -76,20 +73,8 @@ bool AlarmRecord::set_first(bool first, canopen::WallTime now) {
     return false;
   }
   alarm_.ts = now;
-  return true;
 }
-
-bool AlarmRecord::continue_from(const Alarm& before) {
-  const bool same = alarm_.active && before.active &&
-                    std::any_of(alarm_.errors.begin(), alarm_.errors.end(),
-                                [&](const AlarmError& error) { return error.code == before.code; });
-  if (!same) {
-    return false;
-  }
-  alarm_.id = before.id;
-  alarm_.since = before.since;
-  alarm_.count = before.count;
-  return true;
+return true;
 }
 
 bool AlarmRecord::show(bool active, std::string reason, std::string text, config::Severity severity,
@@ -102,21 +87,9 @@ bool AlarmRecord::show(bool active, std::string reason, std::string text, config
 }
 
 void AlarmRecord::restore(const Alarm& before) {
-  // Active before and now is one activation, not two.
-  alarm_.count += before.count - (before.active && alarm_.active && before.count > 0 ? 1U : 0U);
-  if (before.active) {
-    alarm_.active = true;
-    alarm_.id = before.id;
-    alarm_.since = before.since;
-  }
-  alarm_.cleared = before.cleared;
-  alarm_.ts = before.ts;
-  if (alarm_.errors.empty()) {
-    alarm_.code = before.code;
-    alarm_.text = before.text;
-    alarm_.severity = before.severity;
-    alarm_.vendor = before.vendor;
-  }
+  alarm_ = before;
+  alarm_.confirmed = false;
+  alarm_.known = true;
 }
 
 }  // namespace alarms

@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "bridges/alarms/alarm.h"
+#include "bridges/alarms/alarm_id.h"
 
 namespace alarms {
 
-/// Keeps one alarm: gives it its id, counts, and notes when it came, changed and went.
+/// Keeps one alarm: gives it its id, counts, and notes when it came, changed and went. Not known until something is
+/// shown or restored.
 class AlarmRecord {
  public:
-  /// `name` makes ids unique beyond this alarm: `pump1-emcy`.
-  explicit AlarmRecord(std::string name);
+  explicit AlarmRecord(NewId new_id = random_id);
 
   [[nodiscard]] const Alarm& alarm() const noexcept { return alarm_; }
 
@@ -26,14 +27,12 @@ class AlarmRecord {
   [[nodiscard]] bool fault_began() const noexcept { return fault_began_; }
   /// Alarm::first of the present activation, false until this says otherwise. True where it changed.
   bool set_first(bool first, canopen::WallTime now);
-  /// What was known before the gateway's start: an active alarm goes on under its old id.
+  /// As it was before the gateway's start, not confirmed. What is shown next goes on from there: an activation that
+  /// lasts keeps id, beginning, count and `first`.
   void restore(const Alarm& before);
-  /// The same, where the drive has told of its errors already: an error still active goes on under its old id, with
-  /// its beginning and count. True where it did.
-  bool continue_from(const Alarm& before);
 
  private:
-  std::string name_;
+  NewId new_id_;
   Alarm alarm_;
   bool fault_began_ = false;
 };

@@ -9,8 +9,15 @@
 namespace alarms {
 namespace {
 
-AlarmRecord record_of(const config::Drive& model, AlarmKind kind) {
-  return AlarmRecord(model.name + "-" + std::string(name_of(kind)));
+bool tells_its_state(const canopen::NodeStatus& status) {
+  return status.online || status.lost || status.boot_result != canopen::BootResult::not_booted ||
+         !status.boot_text.empty();
+}
+
+// Of the drive, not of a life of it: they stand until somebody looks again.
+bool outlives_absence(std::string_view data_reason) {
+  return data_reason == name_of(DataReason::absent) || data_reason == name_of(DataReason::emcy_off) ||
+         data_reason == name_of(DataReason::emcy_moved);
 }
 
 std::string heartbeat_text(const config::Drive& model, const canopen::NodeStatus& status) {
@@ -32,15 +39,36 @@ std::string boot_text(const canopen::NodeStatus& status) {
 
 }  // namespace
 
-DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed)
+DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed, const NewId& new_id)
     : model_(model),
       changed_(std::move(changed)),
       errors_(model),
-      records_{record_of(model, AlarmKind::emcy), record_of(model, AlarmKind::heartbeat),
-               record_of(model, AlarmKind::boot), record_of(model, AlarmKind::data),
-               record_of(model, AlarmKind::control)} {
-  // Nothing is known of the drive yet.
-  record(AlarmKind::emcy).show({}, 0, false, {});
+      records_{AlarmRecord(new_id), AlarmRecord(new_id), AlarmRecord(new_id), AlarmRecord(new_id),
+               AlarmRecord(new_id)} {
+  decide(AlarmKind::control);
+  record(AlarmKind::control).show(false, {}, {}, severity_of(AlarmKind::control), {});
+  if (!model.enabled) {  // Nothing of it will ever be learnt, so nothing is waited for.
+    decided_.set();
+    for (const AlarmKind kind : kAlarmKinds) {
+      record(kind).show({}, 0, kind != AlarmKind::emcy, {});
+    }
+  }
+}
+
+void DriveAlarms::restore(AlarmKind kind, const Alarm& before) {
+  if (!model_.enabled) {
+    return;
+  }
+  record(kind).restore(before);
+  if (kind == AlarmKind::emcy) {
+    errors_.restore(before);
+  }
+  if (kind == AlarmKind::control && before.active) {
+    decided_.reset(static_cast<std::size_t>(kind));
+  }
+  if (before.active) {
+    changed_(kind);
+  }
 }
 
 void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {
@@ -51,9 +79,15 @@ void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, cano
 
 void DriveAlarms::on_bit(config::Severity severity, bool set, canopen::Duration period, canopen::TimePoint at,
                          canopen::WallTime wall) {
-  if (errors_.on_signal(severity, set, period, at, wall)) {
+  const bool first = !std::exchange(bit_told_, true);
+  decide_emcy_if_asked();
+  if (errors_.on_signal(severity, set, period, at, wall) || first) {
     show_emcy(wall, at);
   }
+}
+
+void DriveAlarms::on_stale_bit(config::Severity severity, canopen::TimePoint at) {
+  errors_.on_stale_signal(severity, at);
 }
 
 void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
@@ -63,13 +97,14 @@ void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
 }
 
 void DriveAlarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
+  asked_ = true;
+  if (readings.error_register) {
+    decide(AlarmKind::emcy);
+  }
+  decide_emcy_if_asked();
   if (errors_.on_readings(readings, at, wall)) {
     show_emcy(wall, at);
   }
-}
-
-void DriveAlarms::on_stale_bit(config::Severity severity, canopen::TimePoint at) {
-  errors_.on_stale_signal(severity, at);
 }
 
 void DriveAlarms::on_error_register(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
@@ -78,23 +113,42 @@ void DriveAlarms::on_error_register(const ErrorReadings& readings, canopen::Time
   }
 }
 
-void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
-  was_online_ = was_online_ || status.online;
-  if (errors_.on_online(status.online)) {
-    show_emcy(wall);
+// Without 0x1001 the bits tell, where there are any.
+void DriveAlarms::decide_emcy_if_asked() noexcept {
+  const bool has_bits = model_.faults.fault.has_value() || model_.faults.warning.has_value();
+  if (asked_ && (bit_told_ || !has_bits)) {
+    decide(AlarmKind::emcy);
   }
+}
+
+void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
+  errors_.on_online(status.online);
+  if (tells_its_state(status)) {
+    decide(AlarmKind::heartbeat);
+    decide(AlarmKind::boot);
+    if (!status.online) {
+      decide(AlarmKind::emcy);  // As it was: who is missing tells no more.
+    }
+    const bool lives = status.online && status.nmt == canopen::NmtState::operational;
+    if (!lives && !outlives_absence(alarm(AlarmKind::data).reason)) {
+      decide(AlarmKind::data);
+    }
+  }
+  show_emcy(wall);
   show(AlarmKind::heartbeat, status.lost, heartbeat_reason(status), heartbeat_text(model_, status), wall);
   show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_reason(status),
        boot_text(status), wall);
+  show_data(wall);
 }
 
 void DriveAlarms::on_data_problems(const std::vector<DataProblem>& problems, canopen::WallTime wall) {
-  std::string text;
+  decide(AlarmKind::data);
+  data_.clear();
+  data_reason_ = problems.empty() ? std::string_view() : name_of(problems.front().reason);
   for (const DataProblem& problem : problems) {
-    text += text.empty() ? problem.text : "; " + problem.text;
+    data_ += data_.empty() ? problem.text : "; " + problem.text;
   }
-  const std::string_view reason = problems.empty() ? std::string_view() : name_of(problems.front().reason);
-  show(AlarmKind::data, !problems.empty(), reason, std::move(text), wall);
+  show_data(wall);
 }
 
 void DriveAlarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::WallTime wall) {
@@ -102,20 +156,43 @@ void DriveAlarms::on_control(const std::optional<ControlAlarm>& alarm, canopen::
        alarm ? alarm->text : std::string(), wall);
 }
 
-void DriveAlarms::restore_emcy(const Alarm& before) {
-  if (was_online_) {
-    if (record(AlarmKind::emcy).continue_from(before)) {
-      changed_(AlarmKind::emcy);
+void DriveAlarms::on_control_command(canopen::WallTime wall) {
+  end_control(wall);
+}
+
+void DriveAlarms::on_running(canopen::WallTime wall) {
+  if (alarm(AlarmKind::control).reason == name_of(ControlReason::feedback)) {
+    end_control(wall);
+  }
+}
+
+// Once decided it is the arbiter that tells of it.
+void DriveAlarms::end_control(canopen::WallTime wall) {
+  if (!decided(AlarmKind::control)) {
+    decide(AlarmKind::control);
+    show(AlarmKind::control, false, {}, {}, wall);
+  }
+}
+
+void DriveAlarms::on_settled(canopen::WallTime wall) {
+  decide(AlarmKind::data);
+  show_data(wall);
+  bit_told_ = true;  // As far as it ever will.
+  decide_emcy_if_asked();
+  show_emcy(wall);
+}
+
+void DriveAlarms::on_patience_over(canopen::WallTime wall) {
+  for (const AlarmKind kind : kAlarmKinds) {
+    if (alarm(kind).known) {
+      continue;
     }
-    return;
+    decide(kind);
+    if (kind != AlarmKind::emcy) {
+      show(kind, false, {}, {}, wall);
+    }
   }
-  if (std::exchange(restored_, true)) {
-    return;
-  }
-  errors_.restore(before);
-  record(AlarmKind::emcy).restore(before);
-  record(AlarmKind::emcy).show(errors_.errors(), errors_.error_register(), errors_.confirmed(), before.ts);
-  changed_(AlarmKind::emcy);
+  show_emcy(wall);
 }
 
 const Alarm& DriveAlarms::alarm(AlarmKind kind) const noexcept {
@@ -137,14 +214,24 @@ void DriveAlarms::set_first(AlarmKind kind, bool first, canopen::WallTime wall) 
 }
 
 void DriveAlarms::show_emcy(canopen::WallTime wall, canopen::TimePoint at) {
-  if (record(AlarmKind::emcy)
-          .show(errors_.errors(), errors_.error_register(), errors_.confirmed(), wall)) {
+  std::vector<AlarmError> errors = errors_.errors();
+  if (errors.empty() && !alarm(AlarmKind::emcy).known && !decided(AlarmKind::emcy)) {
+    return;
+  }
+  if (record(AlarmKind::emcy).show(std::move(errors), errors_.error_register(), errors_.confirmed(), wall)) {
     tell(AlarmKind::emcy, at);
   }
 }
 
+void DriveAlarms::show_data(canopen::WallTime wall) {
+  show(AlarmKind::data, !data_.empty(), data_reason_, data_, wall);
+}
+
 void DriveAlarms::show(AlarmKind kind, bool active, std::string_view reason, std::string text, canopen::WallTime wall) {
-  if (record(kind).show(active, std::string(reason), std::move(text), severity_of(kind), wall)) {
+  if (active) {
+    decide(kind);
+  }
+  if (decided(kind) && record(kind).show(active, std::string(reason), std::move(text), severity_of(kind), wall)) {
     tell(kind, canopen::Clock::now());
   }
 }

@@ -1,11 +1,9 @@
 #include "bridges/alarms/error_list.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "bridges/alarms/fault_naming.h"
-#include "bridges/alarms/restored_errors.h"
 
 namespace alarms {
 namespace {
@@ -23,14 +21,6 @@ void read_again_after(ErrorEntry& entry, TimePoint at) {
   entry.error_register.reset();
   entry.counts_from = at;
   entry.verdict = ErrorVerdict::active;  // Undecided anew, so that it is asked for soon.
-}
-
-/// One by code and vendor bytes, where the memory has any.
-bool is_heard_again(ErrorEntries& heard, const AlarmError& error) {
-  const bool has_vendor = error.vendor != std::array<std::uint8_t, 5>{};
-  return find_same(heard, error.code, error.vendor) != nullptr ||
-         (!has_vendor && std::any_of(heard.begin(), heard.end(),
-                                     [&](const ErrorEntry& entry) { return entry.error.code == error.code; }));
 }
 
 }  // namespace
@@ -263,25 +253,14 @@ bool ErrorList::on_online(bool online) {
 }
 
 void ErrorList::restore(const Alarm& before) {
-  error_register_ = received_ == 0 ? before.error_register : error_register_;
-  if (!before.active) {
-    return;
-  }
-  ErrorEntries heard = std::exchange(entries_, {});
-  for (AlarmError& error : restored_errors(model_, before)) {
-    if (is_heard_again(heard, error)) {
-      continue;
-    }
-    const std::optional<std::uint64_t> drive_code = drive_code_of(model_, error);
-    const bool communication = is_communication(error.code);
-    push({.error = std::move(error),
-          .drive_code = drive_code,
+  error_register_ = before.error_register;
+  for (const AlarmError& error : before.errors) {
+    push({.error = error,
+          .drive_code = drive_code_of(model_.node.emcy, error),
+          .tabled = error.severity,
           .from_before = true,
           .source = ErrorSource::memory,
-          .communication = communication});
-  }
-  for (ErrorEntry& entry : heard) {
-    push(std::move(entry));
+          .communication = is_communication(error.code)});
   }
 }
 

@@ -50,7 +50,7 @@ class ErrorList {
   /// 0x1001 alone: it can end errors and raises none.
   bool on_error_register(const ErrorReadings& readings, canopen::TimePoint at);
   bool on_online(bool online);
-  /// What was known before the gateway's start.
+  /// What was known before the gateway's start. Before anything else.
   void restore(const Alarm& before);
 
   [[nodiscard]] std::vector<AlarmError> errors() const;

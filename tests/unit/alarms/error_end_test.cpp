@@ -250,32 +250,32 @@ TEST_F(AlarmsTest, WarningBitClearsWarningsAndFaultBitFaults) {
   EXPECT_FALSE(emcy_alarm().active);
 }
 
+// One class of emergency stands for many faults of the drive.
 TEST_F(AlarmsTest, ErrorsOfOneCodeAreRestoredByTheirVendorBytes) {
   model_.node.emcy.layout = canopen::EmcyLayout::class_and_vendor40;
   model_.faults.drive_texts = {{1, {"OUt1", Severity::fault}}, {2, {"OUt2", Severity::fault}}};
   build();
-  emcy(0x3000, 0x04, {2});
   Alarm before;
   before.active = true;
   before.errors = {{0x3000, {1}, "OUt1", Severity::fault, WallTime(5s)},
                    {0x3000, {2}, "OUt2", Severity::fault, WallTime(6s)},
                    {0x3000, {3}, "drive fault 3", Severity::fault, WallTime(7s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore(AlarmKind::emcy, before);
   ASSERT_EQ(emcy_alarm().errors.size(), 3U);
   come_online();
   emcy(0x3000, 0x04, {3});
   ASSERT_EQ(emcy_alarm().errors.size(), 3U);
-  EXPECT_EQ(emcy_alarm().errors[0].vendor[0], 1);
-  EXPECT_EQ(emcy_alarm().errors[1].vendor[0], 3);
-  EXPECT_EQ(emcy_alarm().errors[1].since, WallTime(7s)) << "the same error still";
-  EXPECT_EQ(emcy_alarm().errors[2].vendor[0], 2);
+  EXPECT_EQ(emcy_alarm().errors[2].vendor[0], 3);
+  EXPECT_EQ(emcy_alarm().errors[2].since, WallTime(7s)) << "the same error still";
+  emcy(0x3000, 0x04, {4});
+  EXPECT_EQ(emcy_alarm().errors.size(), 4U);
 }
 
 TEST_F(AlarmsTest, ARestoredErrorStaysUndecidedUntilTheErrorRegisterAnswers) {
   Alarm before;
   before.active = true;
   before.errors = {{4, {}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore(AlarmKind::emcy, before);
   come_online();
   readings({});
   EXPECT_TRUE(alarms_->undecided());
