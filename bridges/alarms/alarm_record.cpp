@@ -1,10 +1,6 @@
 #include "bridges/alarms/alarm_record.h"
 
-#include <algorithm>
-#include <chrono>
 #include <utility>
-
-#include "canopen/hex.h"
 
 namespace alarms {
 namespace {
@@ -22,11 +18,14 @@ const AlarmError& foremost(const std::vector<AlarmError>& errors) {
 
 }  // namespace
 
-AlarmRecord::AlarmRecord(std::string name) : name_(std::move(name)) {}
+AlarmRecord::AlarmRecord(NewId new_id) : new_id_(std::move(new_id)) {
+  alarm_.confirmed = false;
+}
 
 bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_register, bool confirmed,
                        canopen::WallTime now) {
   const Alarm before = alarm_;
+  alarm_.known = true;
   alarm_.errors = std::move(errors);
   alarm_.active = !alarm_.errors.empty();
   alarm_.known = alarm_.known || alarm_.active;  // Somebody told so.
@@ -41,11 +40,9 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
   }
   if (alarm_.active && !before.active) {
     ++alarm_.count;
-    // The time tells it from ids of before a restart, the count from those of the same millisecond.
-    const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
-    alarm_.id =
-        name_ + "-" + canopen::hex(static_cast<std::uint64_t>(milliseconds), 11) + "-" + std::to_string(alarm_.count);
+    alarm_.id = new_id_();
     alarm_.since = now;
+    alarm_.first = false;
   }
   if (!alarm_.active && before.active) {
     alarm_.cleared = now;
@@ -53,20 +50,9 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
   if (alarm_ == before) {
     return false;
   }
-  alarm_.ts = now;
-  return true;
-}
-
-bool AlarmRecord::continue_from(const Alarm& before) {
-  const bool same = alarm_.active && before.active &&
-                    std::any_of(alarm_.errors.begin(), alarm_.errors.end(),
-                                [&](const AlarmError& error) { return error.code == before.code; });
-  if (!same) {
-    return false;
+  if (before.known || alarm_.active) {  // That there is none is no change: it only became known.
+    alarm_.ts = now;
   }
-  alarm_.id = before.id;
-  alarm_.since = before.since;
-  alarm_.count = before.count;
   return true;
 }
 
@@ -79,21 +65,9 @@ bool AlarmRecord::show(bool active, std::string text, config::Severity severity,
 }
 
 void AlarmRecord::restore(const Alarm& before) {
-  // Active before and now is one activation, not two.
-  alarm_.count += before.count - (before.active && alarm_.active && before.count > 0 ? 1U : 0U);
-  if (before.active) {
-    alarm_.active = true;
-    alarm_.id = before.id;
-    alarm_.since = before.since;
-  }
-  alarm_.cleared = before.cleared;
-  alarm_.ts = before.ts;
-  if (alarm_.errors.empty()) {
-    alarm_.code = before.code;
-    alarm_.text = before.text;
-    alarm_.severity = before.severity;
-    alarm_.vendor = before.vendor;
-  }
+  alarm_ = before;
+  alarm_.confirmed = false;
+  alarm_.known = true;
 }
 
 }  // namespace alarms

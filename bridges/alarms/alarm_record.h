@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "bridges/alarms/alarm.h"
+#include "bridges/alarms/alarm_id.h"
 
 namespace alarms {
 
-/// Keeps one alarm: gives it its id, counts, and notes when it came, changed and went.
+/// Keeps one alarm: gives it its id, counts, and notes when it came, changed and went. Not known until something is
+/// shown or restored.
 class AlarmRecord {
  public:
-  /// `name` makes ids unique beyond this alarm: `pump1-emcy`.
-  explicit AlarmRecord(std::string name);
+  explicit AlarmRecord(NewId new_id = random_id);
 
   [[nodiscard]] const Alarm& alarm() const noexcept { return alarm_; }
 
@@ -20,14 +21,12 @@ class AlarmRecord {
   bool show(std::vector<AlarmError> errors, std::uint8_t error_register, bool confirmed, canopen::WallTime now);
   /// The same for an alarm that is one condition without a code.
   bool show(bool active, std::string text, config::Severity severity, canopen::WallTime now);
-  /// What was known before the gateway's start: an active alarm goes on under its old id.
+  /// As it was before the gateway's start, not confirmed. What is shown next goes on from there: an activation that
+  /// lasts keeps id, beginning, count and `first`.
   void restore(const Alarm& before);
-  /// The same, where the drive has told of its errors already: an error still active goes on under its old id, with
-  /// its beginning and count. True where it did.
-  bool continue_from(const Alarm& before);
 
  private:
-  std::string name_;
+  NewId new_id_;
   Alarm alarm_;
 };
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "bridges/alarms/fault_naming.h"
-#include "bridges/alarms/restored_errors.h"
 
 namespace alarms {
 namespace {
@@ -19,6 +18,10 @@ constexpr int kBelievedPeriods = 3;
 
 std::uint16_t short_code(std::uint64_t code) noexcept {
   return code <= 0xFFFF ? static_cast<std::uint16_t>(code) : std::uint16_t{0};
+}
+
+bool has_vendor(const AlarmError& error) noexcept {
+  return error.vendor != std::array<std::uint8_t, 5>{};
 }
 
 }  // namespace
@@ -41,7 +44,9 @@ void Emergencies::add(const canopen::Emcy& emcy, WallTime wall) {
   config::FaultText named = name_emcy(model_.faults, model_.node.emcy, emcy);
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     // What did not come by an emergency has no vendor bytes to compare.
-    return entry.error.code == emcy.code && (entry.origin != Origin::emcy || entry.error.vendor == emcy.vendor);
+    const bool bytes_count =
+        entry.origin == Origin::emcy || (entry.origin == Origin::restored && has_vendor(entry.error));
+    return entry.error.code == emcy.code && (!bytes_count || entry.error.vendor == emcy.vendor);
   });
   if (same != entries_.end()) {
     same->error.vendor = emcy.vendor;
@@ -285,21 +290,14 @@ bool Emergencies::on_online(bool online) {
 }
 
 void Emergencies::restore(const Alarm& before) {
-  error_register_ = received_ == 0 ? before.error_register : error_register_;
-  if (!before.active) {
-    return;
+  error_register_ = before.error_register;
+  for (const AlarmError& error : before.errors) {
+    entries_.push_back({.error = error,
+                        .origin = Origin::restored,
+                        .drive_code = drive_code_of(model_.node.emcy, error),
+                        .tabled = error.severity,
+                        .from_before = true});
   }
-  std::vector<Entry> restored;
-  for (AlarmError& error : restored_errors(model_, before)) {
-    const std::optional<std::uint64_t> drive_code = drive_code_of(model_, error);
-    restored.push_back(
-        {.error = std::move(error), .origin = Origin::restored, .drive_code = drive_code, .from_before = true});
-  }
-  std::erase_if(restored, [&](const Entry& old) {
-    return std::any_of(entries_.begin(), entries_.end(),
-                       [&](const Entry& entry) { return entry.error.code == old.error.code; });
-  });
-  entries_.insert(entries_.begin(), std::make_move_iterator(restored.begin()), std::make_move_iterator(restored.end()));
   keep_few();
 }
 

@@ -47,7 +47,7 @@ class Emergencies {
   bool on_fault_code(std::uint64_t code);
   bool on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
   bool on_online(bool online);
-  /// What was known before the gateway's start.
+  /// What was known before the gateway's start. Before anything else.
   void restore(const Alarm& before);
 
   [[nodiscard]] std::vector<AlarmError> errors() const;

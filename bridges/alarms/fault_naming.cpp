@@ -1,5 +1,7 @@
 #include "bridges/alarms/fault_naming.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include "canopen/hex.h"
@@ -68,6 +70,13 @@ FaultText name_history_code(const config::FaultRules& rules, const canopen::Emcy
   FaultText named = name_emcy_code(rules, code);
   named.severity = severity;
   return named;
+}
+
+std::optional<std::uint64_t> drive_code_of(const canopen::EmcySettings& settings, const AlarmError& error) {
+  std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(error.code), static_cast<std::uint8_t>(error.code >> 8)};
+  std::copy(error.vendor.begin(), error.vendor.end(), bytes.begin() + 3);
+  const std::optional<canopen::Emcy> emcy = canopen::decode_emcy(settings, bytes);
+  return emcy ? emcy->drive_code : std::nullopt;
 }
 
 }  // namespace alarms

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "bridges/alarms/alarm.h"
 #include "canopen/node/emcy.h"
 #include "config/model.h"
 
@@ -24,5 +26,9 @@ namespace alarms {
 [[nodiscard]] config::FaultText name_history_code(const config::FaultRules& rules,
                                                   const canopen::EmcySettings& settings, std::uint16_t code,
                                                   config::Severity severity);
+
+/// The drive's own number of an error, where the layout has one in its EMCY code and vendor bytes.
+[[nodiscard]] std::optional<std::uint64_t> drive_code_of(const canopen::EmcySettings& settings,
+                                                         const AlarmError& error);
 
 }  // namespace alarms

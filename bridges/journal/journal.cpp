@@ -40,7 +40,7 @@ std::optional<std::string> kind_of(const CommandRecord& record, const process::O
 
 }  // namespace
 
-Journal::Journal(const boost::asio::any_io_executor& executor, const Place& place, Trouble::Told told)
+Journal::Journal(const boost::asio::any_io_executor& executor, const Place& place, disk::Trouble::Told told)
     : queue_(executor, place, std::move(told)), minute_(executor, [this] { on_minute(); }) {}
 
 boost::asio::awaitable<void> Journal::stop() {

@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
+#include "bridges/disk/trouble.h"
 #include "bridges/journal/line_queue.h"
 #include "bridges/journal/repeats.h"
-#include "bridges/journal/trouble.h"
 #include "bridges/process/command.h"
 #include "bridges/process/command_journal.h"
 #include "canopen/wake_up.h"
@@ -20,7 +20,7 @@ namespace journal {
 class Journal final : public process::CommandJournal {
  public:
   /// `told`: what a person should know of the journal itself.
-  Journal(const boost::asio::any_io_executor& executor, const Place& place, Trouble::Told told);
+  Journal(const boost::asio::any_io_executor& executor, const Place& place, disk::Trouble::Told told);
 
   void start() { queue_.start(); }
   /// Writes what was only counted, and waits for the disk for at most a second.

@@ -21,7 +21,7 @@ struct LineQueue::Batch {
   std::string newest_hash;
 };
 
-LineQueue::LineQueue(const boost::asio::any_io_executor& executor, const Place& place, Trouble::Told told)
+LineQueue::LineQueue(const boost::asio::any_io_executor& executor, const Place& place, disk::Trouble::Told told)
     : most_waiting_(place.waiting),
       trouble_(std::move(told)),
       store_(std::make_shared<Store>(place.directory, place.limit, place.calls)),

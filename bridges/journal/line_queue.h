@@ -10,10 +10,10 @@
 #include <memory>
 #include <string>
 
+#include "bridges/disk/trouble.h"
+#include "bridges/disk/worker.h"
 #include "bridges/journal/line.h"
 #include "bridges/journal/store.h"
-#include "bridges/journal/trouble.h"
-#include "bridges/journal/worker.h"
 #include "canopen/clock.h"
 #include "canopen/event.h"
 #include "canopen/wake_up.h"
@@ -32,7 +32,7 @@ struct Place {
 /// While the disk refuses, the first is tried again each second.
 class LineQueue {
  public:
-  LineQueue(const boost::asio::any_io_executor& executor, const Place& place, Trouble::Told told);
+  LineQueue(const boost::asio::any_io_executor& executor, const Place& place, disk::Trouble::Told told);
 
   /// Looks how the chain goes on, and tells where there is none to go on with.
   void start();
@@ -69,10 +69,10 @@ class LineQueue {
   [[nodiscard]] std::string summary() const;
 
   std::size_t most_waiting_;
-  Trouble trouble_;
+  disk::Trouble trouble_;
   std::shared_ptr<Store> store_;  ///< With the job under way, which may outlive us.
-  Worker writer_;
-  Worker syncer_;
+  disk::Worker writer_;
+  disk::Worker syncer_;
   canopen::Event progress_;
   canopen::WakeUp tick_;
   std::deque<Waiting> waiting_;

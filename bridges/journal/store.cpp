@@ -64,7 +64,7 @@ Store::Failure Store::append(const Entry& entry) {
 }
 
 Store::Failure Store::sync() {
-  std::vector<Descriptor> files;
+  std::vector<disk::Descriptor> files;
   {
     const std::lock_guard lock(unsynced_);
     files = std::exchange(older_, {});
@@ -73,7 +73,7 @@ Store::Failure Store::sync() {
     }
   }
   Failure failure;
-  for (const Descriptor& file : files) {
+  for (const disk::Descriptor& file : files) {
     if (calls_.sync(file.get()) != 0) {
       failure = fail("cannot bring lines to the disk");
     }
@@ -87,7 +87,7 @@ Store::Failure Store::open_directory() {
       return fail("cannot make " + path.string());
     }
   }
-  Descriptor directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  disk::Descriptor directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!directory) {
     return fail("cannot open " + directory_.string());
   }
@@ -127,7 +127,7 @@ Store::Failure Store::open_newest() {
 
 Store::Failure Store::open_file(const FileName& name) {
   const std::filesystem::path path = directory_ / to_string(name);
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0640));
+  disk::Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0640));
   if (!file) {
     return fail("cannot open " + path.string());
   }

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bridges/journal/descriptor.h"
+#include "bridges/disk/descriptor.h"
 #include "bridges/journal/files.h"
 #include "bridges/journal/line.h"
 
@@ -61,15 +61,15 @@ class Store {
   std::filesystem::path directory_;
   std::uint64_t limit_;
   FileCalls calls_;
-  Descriptor lock_;                ///< Of the directory.
-  std::mutex unsynced_;            ///< Of what sync() needs: the next three, where they change.
-  Descriptor file_;                ///< The newest.
-  std::vector<Descriptor> older_;  ///< Written to before the newest, not synced since.
-  bool written_ = false;           ///< The newest, likewise.
-  std::vector<File> files_;        ///< In order; the last one is `file_`.
-  bool torn_ = false;              ///< Bytes that are no line stand at the end of the newest.
-  bool unended_ = false;           ///< The newest ends in a line that lacks its line break.
-  bool known_ = false;             ///< `n_` and `hash_` say how the chain goes on.
+  disk::Descriptor lock_;                ///< Of the directory.
+  std::mutex unsynced_;                  ///< Of what sync() needs: the next three, where they change.
+  disk::Descriptor file_;                ///< The newest.
+  std::vector<disk::Descriptor> older_;  ///< Written to before the newest, not synced since.
+  bool written_ = false;                 ///< The newest, likewise.
+  std::vector<File> files_;              ///< In order; the last one is `file_`.
+  bool torn_ = false;                    ///< Bytes that are no line stand at the end of the newest.
+  bool unended_ = false;                 ///< The newest ends in a line that lacks its line break.
+  bool known_ = false;                   ///< `n_` and `hash_` say how the chain goes on.
   std::uint64_t n_ = 0;
   std::string hash_;
 };

@@ -6,7 +6,7 @@
 #include <array>
 #include <cerrno>
 
-#include "bridges/journal/descriptor.h"
+#include "bridges/disk/descriptor.h"
 
 namespace journal {
 namespace {
@@ -19,7 +19,7 @@ std::error_code last_error() {
 
 std::error_code read_pieces(const std::filesystem::path& file, std::uint64_t from,
                             const std::function<void(std::string_view)>& take) {
-  const Descriptor descriptor(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const disk::Descriptor descriptor(open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (!descriptor || lseek(descriptor.get(), static_cast<off_t>(from), SEEK_SET) < 0) {
     return last_error();
   }

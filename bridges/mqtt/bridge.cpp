@@ -170,20 +170,13 @@ canopen::TimePoint Bridge::turn() {
   return std::min(next_, session_.deadline());
 }
 
-// What the broker still held when we started: the alarm as an earlier run of the gateway left it.
-void Bridge::take_alarm(const Route& route, const Incoming& message) {
+void Bridge::take_alarm(const Route& /*route*/, const Incoming& message) {
   if (!session_.reads_back() || !message.retained) {
     return;
   }
   for (std::size_t i = 0; i < plant_.size(); ++i) {
     if (topics_.drive(i).alarms.at(static_cast<std::size_t>(alarms::AlarmKind::emcy)) != message.topic) {
       continue;
-    }
-    if (const auto alarm = alarms::parse_alarm(message.payload)) {
-      plant_.drive(i).restore_emcy(*alarm);
-    } else {
-      notice_(Level::warning, "MQTT: what " + message.topic + " holds is no alarm of " + std::string(route.drive) +
-                                  "; it is ignored and replaced");
     }
     session_.alarm_came(i);
     follow_session();

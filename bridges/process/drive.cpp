@@ -6,7 +6,6 @@
 #include "bridges/alarms/fault_naming.h"
 
 namespace process {
-
 Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& model, std::size_t index,
              canopen::Bus& bus, const std::vector<Observer*>& observers)
     : model_(model),
@@ -26,6 +25,7 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
                 inputs_.expire(node_.heard_until());
                 arm_expiry();
               }),
+      settling_(executor, model, image_, alarms_),
       fault_(indicator(model.faults.fault)),
       warning_(indicator(model.faults.warning)),
       running_(indicator(model.faults.running)),
@@ -43,6 +43,7 @@ void Drive::start() {
   if (!model_.enabled) {
     return;
   }
+  settling_.start();
   node_.start();
   reader_.start();
 }
@@ -58,6 +59,7 @@ boost::asio::awaitable<void> Drive::stop() {
   co_await reader_.stop();
   co_await commands_.until_idle();
   expiry_.cancel();
+  settling_.stop();
 }
 
 std::optional<Drive::Indicator> Drive::indicator(const std::optional<std::size_t>& signal) const {
@@ -86,6 +88,7 @@ void Drive::on_status(const canopen::NodeStatus& status) {
       had_fault_emcy_.reset();
     }
   }
+  settling_.on_status(status);
   arm_expiry();
   tell([&](Observer& observer) { observer.on_status(*this); });
 }
@@ -147,6 +150,7 @@ void Drive::on_values(SourceId source) {
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_values(*this, signals); });
   tell_alarms(source);
+  settling_.on_values(source);
   arm_expiry();
 }
 
@@ -173,6 +177,9 @@ void Drive::on_read_wanted() {
 void Drive::tell_running(std::optional<bool> running) {
   if (std::exchange(told_running_, running) != running) {
     commands_.on_running(running);
+    if (running == true) {
+      alarms_.on_running(canopen::wall_now());
+    }
   }
 }
 
@@ -226,6 +233,9 @@ void Drive::on_control() {
 }
 
 void Drive::on_command_done(const CommandRecord& record, const Outcome& outcome) {
+  if (record.writes_control && outcome.has_value()) {
+    alarms_.on_control_command(canopen::wall_now());
+  }
   tell([&](Observer& observer) { observer.on_command_done(*this, record, outcome); });
 }
 

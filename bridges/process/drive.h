@@ -16,6 +16,7 @@
 #include "bridges/process/inputs.h"
 #include "bridges/process/observer.h"
 #include "bridges/process/reader.h"
+#include "bridges/process/settling.h"
 #include "bridges/process/writer.h"
 #include "canopen/error.h"
 #include "canopen/nmt.h"
@@ -98,14 +99,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   /// Before start(); null: none is kept. Outlives the drive.
   void set_journal(CommandJournal* journal) noexcept { commands_.set_journal(journal); }
 
-  /// The emergency alarm as the broker still holds it from before our start; shown as not confirmed until the drive was
-  /// booted or taken over. After that the drive's own word stands, and an error that is still active keeps its id.
-  /// Nothing for a drive that is out of service.
-  void restore_emcy(const alarms::Alarm& alarm) {
-    if (model_.enabled) {
-      alarms_.restore_emcy(alarm);
-    }
-  }
+  /// As it was before our start, see alarms::DriveAlarms. Before start().
+  void restore(alarms::AlarmKind kind, const alarms::Alarm& before) { alarms_.restore(kind, before); }
 
  private:
   // canopen::NodeEvents
@@ -164,6 +159,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   Reader reader_;
   canopen::WakeUp expiry_;
   canopen::TimePoint expiry_for_ = canopen::kNever;  ///< What it is set for.
+  Settling settling_;
 
   std::optional<Indicator> fault_;
   std::optional<Indicator> warning_;

@@ -19,7 +19,7 @@ class Plant::Body {
   Body(const boost::asio::any_io_executor& executor, const config::Model& plant_model, std::vector<BusPort> buses)
       : model(plant_model) {
     for (std::size_t i = 0; i < buses.size(); ++i) {
-      lines.push_back({std::move(buses[i]), {}, alarms::AlarmRecord("bus-" + model.buses[i].name)});
+      lines.push_back({std::move(buses[i]), {}, alarms::AlarmRecord()});
     }
     for (std::size_t i = 0; i < model.drives.size(); ++i) {
       const config::Drive& drive = model.drives[i];
@@ -94,6 +94,13 @@ std::size_t Plant::with_alarm() const noexcept {
   return static_cast<std::size_t>(std::count_if(drives.begin(), drives.end(), [](const auto& drive) {
     return drive->has_fault_alarm() || drive->has_warning_alarm();
   }));
+}
+
+void Plant::restore_bus_alarm(std::size_t bus, const alarms::Alarm& before) {
+  body_->lines[bus].alarm.restore(before);
+  for (Observer* observer : body_->observers) {
+    observer->on_bus_alarm(bus);
+  }
 }
 
 void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {

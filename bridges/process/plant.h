@@ -52,6 +52,8 @@ class Plant {
   [[nodiscard]] std::size_t online() const noexcept;
   [[nodiscard]] std::size_t with_alarm() const noexcept;  ///< Drives with any active alarm.
 
+  /// As it was before our start, until the bus tells its state. Before start().
+  void restore_bus_alarm(std::size_t bus, const alarms::Alarm& before);
   /// The bus told so; drives hear it from the bus itself.
   void set_bus_state(std::size_t bus, const canopen::BusState& state);
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;

@@ -1,4 +1,4 @@
-// Payloads of commands and of retained alarms: whatever the bytes, a value or an error, and what was read is written
+// Payloads of commands: whatever the bytes, a value or an error, and what was read is written
 // and read again the same.
 
 #include <cstdint>
@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "bridges/alarms/alarm_json.h"
 #include "bridges/mqtt/answers.h"
 #include "bridges/mqtt/command.h"
 #include "bridges/mqtt/topics.h"
@@ -48,14 +47,6 @@ void commands(std::string_view text) {
   }
 }
 
-void alarms(std::string_view text) {
-  const auto alarm = alarms::parse_alarm(text);
-  if (alarm) {
-    const auto again = alarms::parse_alarm(alarms::alarm_json(*alarm));
-    require(again.has_value() && alarms::alarm_json(*again) == alarms::alarm_json(*alarm));
-  }
-}
-
 void topics(std::string_view text) {
   static const config::Model model = mqtt::test::model();
   static const mqtt::Topics topics(model, "canopen", "line3");
@@ -71,7 +62,6 @@ void topics(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(data, data + size);
   commands(text);
-  alarms(text);
   topics(text);
   return 0;
 }

@@ -24,13 +24,15 @@ constexpr std::array<std::string_view, 7> kConfig{
     "canopen/clock.h",        "canopen/bus/echo.h",           "canopen/node/emcy.h",
     "canopen/error.h",        "canopen/node/node_settings.h", "canopen/object.h",
     "canopen/bus/wire_bits.h"};
-// The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
+constexpr std::array<std::string_view, 1> kDisk{"canopen/clock.h"};
 constexpr std::array<std::string_view, 2> kText{"canopen/clock.h", "canopen/hex.h"};
-// Which errors are active and what they are called: plain values in and out.
-constexpr std::array<std::string_view, 7> kAlarms{"bridges/text/",          "config/model.h",
-                                                  "canopen/clock.h",        "canopen/node/emcy.h",
-                                                  "canopen/hex.h",          "canopen/node/node_events.h",
-                                                  "canopen/bus/bus_state.h"};
+// Which errors are active and what they are called: plain values in and out. What is kept of them waits for a disk.
+constexpr std::array<std::string_view, 10> kAlarms{
+    "bridges/disk/",          "canopen/event.h", "canopen/wake_up.h",
+    "bridges/text/",          "config/model.h",  "canopen/clock.h",
+    "canopen/node/emcy.h",    "canopen/hex.h",   "canopen/node/node_events.h",
+    "canopen/bus/bus_state.h"};
+// The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
 constexpr std::array<std::string_view, 18> kProcess{"bridges/text/",
                                                     "bridges/alarms/",
                                                     "config/model.h",
@@ -53,9 +55,9 @@ constexpr std::array<std::string_view, 7> kBridge{"bridges/text/",   "bridges/al
                                                   "config/model.h",  "canopen/clock.h", "canopen/error.h",
                                                   "canopen/object.h"};
 // What is commanded, as `bridges/process` hands it over, and how it waits.
-constexpr std::array<std::string_view, 10> kJournal{
-    "bridges/text/",   "bridges/process/", "config/model.h", "canopen/clock.h",  "canopen/error.h",
-    "canopen/event.h", "canopen/hex.h",    "canopen/nmt.h",  "canopen/object.h", "canopen/wake_up.h"};
+constexpr std::array<std::string_view, 11> kJournal{
+    "bridges/disk/",   "bridges/text/", "bridges/process/", "config/model.h",   "canopen/clock.h",  "canopen/error.h",
+    "canopen/event.h", "canopen/hex.h", "canopen/nmt.h",    "canopen/object.h", "canopen/wake_up.h"};
 // Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
 constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/clock.h",
@@ -64,12 +66,13 @@ constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/bus/virtual_link.h",
                                                      "canopen/bus/socketcan/socketcan_link.h"};
 // The only one that knows the loader.
-constexpr std::array<std::string_view, 9> kDaemon{"canopen/",        "config/",          "bridges/text/",
-                                                  "bridges/alarms/", "bridges/process/", "bridges/modbus/",
-                                                  "bridges/mqtt/",   "bridges/journal/", "simulator/"};
+constexpr std::array<std::string_view, 10> kDaemon{
+    "bridges/disk/",    "canopen/",        "config/",       "bridges/text/",    "bridges/alarms/",
+    "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/", "simulator/"};
 
-constexpr std::array<Room, 10> kRooms{{{"canopen/", {}},
+constexpr std::array<Room, 11> kRooms{{{"canopen/", {}},
                                        {"config/", kConfig},
+                                       {"bridges/disk/", kDisk},
                                        {"bridges/text/", kText},
                                        {"bridges/alarms/", kAlarms},
                                        {"bridges/process/", kProcess},

@@ -24,7 +24,8 @@ class AlarmsTest : public ::testing::Test {
   AlarmsTest() { build(); }
 
   void build() {
-    alarms_ = std::make_unique<DriveAlarms>(model_, [this](AlarmKind kind) { told_.push_back(kind); });
+    alarms_ = std::make_unique<DriveAlarms>(
+        model_, [this](AlarmKind kind) { told_.push_back(kind); }, [this] { return "id" + std::to_string(++ids_); });
     told_.clear();
   }
 
@@ -71,6 +72,7 @@ class AlarmsTest : public ::testing::Test {
   canopen::NodeStatus status_;
   std::unique_ptr<DriveAlarms> alarms_;
   std::vector<AlarmKind> told_;
+  int ids_ = 0;  ///< Given.
   TimePoint now_{std::chrono::hours(1)};
   WallTime wall_{std::chrono::seconds(1000)};
 };

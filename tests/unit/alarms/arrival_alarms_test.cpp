@@ -110,7 +110,7 @@ TEST_F(AlarmsTest, RestoredAlarmGoesOnUnconfirmedUnderItsId) {
   before.since = WallTime(5s);
   before.count = 3;
   before.errors = {{4, {4}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore(AlarmKind::emcy, before);
   EXPECT_EQ(told_, std::vector<AlarmKind>{AlarmKind::emcy});
   EXPECT_TRUE(emcy_alarm().active);
   EXPECT_FALSE(emcy_alarm().confirmed);
@@ -134,7 +134,8 @@ TEST_F(AlarmsTest, RestoredAlarmThatIsOverGoesAtArrival) {
   before.id = "old";
   before.code = 4;
   before.count = 1;
-  alarms_->restore_emcy(before);  // Without its list of errors: the head names the one.
+  before.errors = {{4, {4}, "Overcurrent during acceleration", Severity::fault, WallTime(5s)}};
+  alarms_->restore(AlarmKind::emcy, before);
   EXPECT_EQ(codes(), (Codes{4}));
   come_online();
   for (int i = 0; i < 4; ++i) {
@@ -155,7 +156,7 @@ TEST_F(AlarmsTest, RestoredErrorByVendorNumberIsNotDoubled) {
   Alarm before;
   before.active = true;
   before.errors = {{0x3000, {1}, "OUt1", Severity::fault, WallTime(5s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore(AlarmKind::emcy, before);
   come_online();
   readings({.error_register = std::uint8_t{0x04}, .fault_code = 1, .history = {}});
   EXPECT_EQ(codes(), (Codes{0x3000}));
@@ -191,7 +192,7 @@ Alarm restored_overcurrent() {
 }
 
 TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
-  alarms_->restore_emcy(restored_overcurrent());
+  alarms_->restore(AlarmKind::emcy, restored_overcurrent());
   come_online();
   fault(true);
   alarms_->on_fault_code(0x04, wall_);
@@ -201,7 +202,7 @@ TEST_F(AlarmsTest, ARestoredFaultThatTheFaultCodeNamesIsTheSame) {
 }
 
 TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamed) {
-  alarms_->restore_emcy(restored_overcurrent());
+  alarms_->restore(AlarmKind::emcy, restored_overcurrent());
   come_online();
   alarms_->on_fault_code(0x40, wall_);
   fault(true);
@@ -212,7 +213,7 @@ TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamed) {
 }
 
 TEST_F(AlarmsTest, AnotherFaultThanTheRestoredOneIsNamedByItsNumber) {
-  alarms_->restore_emcy(restored_overcurrent());
+  alarms_->restore(AlarmKind::emcy, restored_overcurrent());
   come_online();
   alarms_->on_fault_code(0x05, wall_);
   fault(true);
@@ -257,25 +258,10 @@ TEST_F(AlarmsTest, RestoredWarningsStayWarnings) {
   before.text = "b";
   before.severity = Severity::warning;
   before.errors = {{0x70, {}, "a", Severity::warning, WallTime(5s)}, {0x71, {}, "b", Severity::warning, WallTime(6s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore(AlarmKind::emcy, before);
   EXPECT_EQ(emcy_alarm().code, 0x71);
   EXPECT_EQ(emcy_alarm().severity, Severity::warning);
   EXPECT_FALSE(alarms_->any(Severity::fault));
-}
-
-TEST_F(AlarmsTest, WarningsBesideARestoredFaultAreTold) {
-  Alarm before;
-  before.active = true;
-  before.code = 4;
-  before.text = "Overcurrent during acceleration";
-  before.errors = {{0, {}, "drive reports a warning", Severity::fault, WallTime(4s)},
-                   {4, {}, before.text, Severity::fault, WallTime(5s)},
-                   {0x77, {}, "newer", Severity::fault, WallTime(6s)}};
-  alarms_->restore_emcy(before);
-  EXPECT_EQ(emcy_alarm().code, 4);
-  EXPECT_EQ(emcy_alarm().errors.at(0).severity, Severity::warning) << "its text says so";
-  EXPECT_EQ(emcy_alarm().errors.at(1).severity, Severity::fault);
-  EXPECT_EQ(emcy_alarm().errors.at(2).severity, Severity::warning);
 }
 
 TEST_F(AlarmsTest, ARestoredWarningBesideAFaultIsOfTheWarningBit) {
@@ -283,10 +269,9 @@ TEST_F(AlarmsTest, ARestoredWarningBesideAFaultIsOfTheWarningBit) {
   before.active = true;
   before.code = 4;
   before.text = "Overcurrent during acceleration";
-  // The list on the broker has no severities: all are read as that of the alarm.
-  before.errors = {{0x40, {}, "Undervoltage while stopped", Severity::fault, WallTime(5s)},
+  before.errors = {{0x40, {}, "Undervoltage while stopped", Severity::warning, WallTime(5s)},
                    {4, {}, before.text, Severity::fault, WallTime(6s)}};
-  alarms_->restore_emcy(before);
+  alarms_->restore(AlarmKind::emcy, before);
   come_online();
   for (int i = 0; i < 4; ++i) {
     fault(false);
@@ -298,45 +283,13 @@ TEST_F(AlarmsTest, ARestoredWarningBesideAFaultIsOfTheWarningBit) {
   EXPECT_EQ(emcy_alarm().errors[0].since, WallTime(5s));
 }
 
-TEST_F(AlarmsTest, NothingIsRestoredAfterTheDriveArrived) {
-  come_online();
-  Alarm before;
-  before.active = true;
-  before.code = 4;
-  alarms_->restore_emcy(before);
-  EXPECT_FALSE(emcy_alarm().active);
-}
-
-TEST_F(AlarmsTest, IsRestoredOnce) {
-  Alarm before;
-  before.active = true;
-  before.count = 3;
-  before.code = 4;
-  alarms_->restore_emcy(before);
-  alarms_->restore_emcy(before);
-  EXPECT_EQ(emcy_alarm().count, 3U);
-  EXPECT_EQ(codes(), (Codes{4}));
-}
-
-TEST_F(AlarmsTest, RestoreJoinsWhatWasHeardMeanwhile) {
-  emcy(0x0005);
-  Alarm before;
-  before.active = true;
-  before.id = "old";
-  before.count = 7;
-  before.since = WallTime(5s);
-  before.errors = {{4, {4}, "a", Severity::fault, WallTime(5s)}, {5, {}, "b", Severity::fault, WallTime(6s)}};
-  alarms_->restore_emcy(before);
-  EXPECT_EQ(codes(), (Codes{4, 5}));
-  EXPECT_EQ(emcy_alarm().id, "old");
-  EXPECT_EQ(emcy_alarm().count, 7U);
-  EXPECT_EQ(emcy_alarm().code, 5);
-}
-
 TEST_F(AlarmsTest, BeforeTheFirstArrivalNothingIsConfirmed) {
   EXPECT_FALSE(emcy_alarm().active);
   EXPECT_FALSE(emcy_alarm().confirmed);
   come_online();
+  EXPECT_FALSE(emcy_alarm().confirmed) << "nor before it was asked";
+  readings({.error_register = std::uint8_t{0}, .fault_code = {}, .history = {}});
+  EXPECT_FALSE(emcy_alarm().active);
   EXPECT_TRUE(emcy_alarm().confirmed);
 }
 

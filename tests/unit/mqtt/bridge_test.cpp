@@ -252,22 +252,6 @@ void connect_with_old_alarm(PlantSite& site) {
   site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
 }
 
-TEST(MqttBridge, AnAlarmFromBeforeTheStartStaysUnconfirmedUntilTheDriveIsThere) {
-  PlantSite site;
-  site.broker().events->on_connected(1);
-  site.broker().events->on_subscribed(true);
-  site.loop().settle();
-  EXPECT_TRUE(site.broker().published.empty()) << "no alarm topic is overwritten before it was read";
-  site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
-  ASSERT_TRUE(site.bridge().connected());
-  const std::string alarm = site.retained("pump1/alarm/emcy");
-  EXPECT_TRUE(contains(alarm, R"("active":true,"id":"before-1","code":"0x2310","text":"Overcurrent")")) << alarm;
-  EXPECT_TRUE(contains(alarm, R"("confirmed":false)")) << alarm;
-  EXPECT_TRUE(contains(alarm, R"("count":3)")) << alarm;
-  site.bring_up_drive();  // its error register says that nothing is active
-  EXPECT_TRUE(contains(site.retained("pump1/alarm/emcy"), R"("active":false)")) << site.retained("pump1/alarm/emcy");
-}
-
 TEST(MqttBridge, AnAlarmOfAMissingDriveIsNotCalledOverBeforeTheDriveIsFoundOrFoundMissing) {
   for (const bool is_there : {false, true}) {
     PlantSite site;
@@ -314,16 +298,6 @@ TEST(MqttBridge, AlarmsOfADriveThatRestartsAllTheTimeAreToldAfterAWhile) {
   }
   EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), R"("active":false)"));
   EXPECT_TRUE(contains(site.retained("pump1/alarm/data"), R"("active":false)"));
-}
-
-TEST(MqttBridge, ARetainedAlarmThatIsNoneIsIgnoredAndSaid) {
-  PlantSite site;
-  site.broker().events->on_connected(1);
-  site.broker().events->on_subscribed(true);
-  site.receive({.topic = kEmcy, .payload = "{\"active\":maybe}", .retained = true});
-  EXPECT_TRUE(site.bridge().connected());
-  EXPECT_EQ(site.notices().size(), 1U);
-  EXPECT_TRUE(contains(site.retained("pump1/alarm/emcy"), R"("active":false)"));
 }
 
 TEST(MqttBridge, AnAlarmThatIsPublishedLaterIsNotTakenForAnOldOne) {

@@ -184,7 +184,7 @@ TEST_F(DriveTest, RestoredAlarmEndsWhereTheDriveTellsNone) {
   before.code = 4;
   before.text = "Overcurrent during acceleration";
   before.errors = {{4, {4}, "Overcurrent during acceleration", config::Severity::fault, {}}};
-  drive_->restore_emcy(before);
+  drive_->restore(alarms::AlarmKind::emcy, before);
   run(1s);
   EXPECT_TRUE(alarm(alarms::AlarmKind::emcy).active);
   EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).confirmed);
@@ -205,7 +205,7 @@ TEST_F(DriveTest, RestoredAlarmStaysUnconfirmedWhereNothingDecides) {
   before.active = true;
   before.id = "old";
   before.errors = {{4, {4}, "Overcurrent during acceleration", config::Severity::fault, {}}};
-  drive_->restore_emcy(before);
+  drive_->restore(alarms::AlarmKind::emcy, before);
   slave_.boot_up();
   run(10s);
   ASSERT_TRUE(drive_->status().online);

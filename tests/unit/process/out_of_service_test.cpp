@@ -83,7 +83,7 @@ TEST_F(OutOfServiceTest, AnAlarmOfBeforeIsNotBroughtBack) {
   before.active = true;
   before.id = "1-pump1-emcy";
   before.errors = {{.code = 4, .text = "Overcurrent"}};
-  drive_->restore_emcy(before);
+  drive_->restore(alarms::AlarmKind::emcy, before);
   EXPECT_FALSE(alarm(alarms::AlarmKind::emcy).active);
   expect_untouched();
 }

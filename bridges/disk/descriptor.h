@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace journal {
+namespace disk {
 
 /// Owns a file descriptor.
 class Descriptor {
@@ -25,4 +25,4 @@ class Descriptor {
   int number_ = -1;
 };
 
-}  // namespace journal
+}  // namespace disk

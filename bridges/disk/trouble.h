@@ -5,7 +5,7 @@
 
 #include "canopen/clock.h"
 
-namespace journal {
+namespace disk {
 
 /// Tells of something that does not work: at its begin, when it becomes something else, at its end; and nothing more
 /// often than once a minute.
@@ -25,4 +25,4 @@ class Trouble {
   canopen::TimePoint next_ = canopen::TimePoint::min();
 };
 
-}  // namespace journal
+}  // namespace disk

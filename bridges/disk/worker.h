@@ -5,7 +5,7 @@
 #include <memory>
 #include <thread>
 
-namespace journal {
+namespace disk {
 
 /// A thread for what may hang: does one job at a time beside the loop. A job, and all that it uses, is its own: where
 /// it hangs at the end of the process it is left behind.
@@ -30,4 +30,4 @@ class Worker {
   std::thread thread_;
 };
 
-}  // namespace journal
+}  // namespace disk

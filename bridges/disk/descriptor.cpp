@@ -1,9 +1,9 @@
-#include "bridges/journal/descriptor.h"
+#include "bridges/disk/descriptor.h"
 
 #include <fcntl.h>
 #include <unistd.h>
 
-namespace journal {
+namespace disk {
 
 Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
   if (this != &other) {
@@ -24,4 +24,4 @@ void Descriptor::reset() noexcept {
   number_ = -1;
 }
 
-}  // namespace journal
+}  // namespace disk

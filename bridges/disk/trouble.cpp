@@ -1,6 +1,6 @@
-#include "bridges/journal/trouble.h"
+#include "bridges/disk/trouble.h"
 
-namespace journal {
+namespace disk {
 
 void Trouble::stands(const std::string& what, canopen::TimePoint now) {
   if (what == standing_ || now < next_) {
@@ -18,4 +18,4 @@ void Trouble::is_over(const std::string& what) {
   }
 }
 
-}  // namespace journal
+}  // namespace disk

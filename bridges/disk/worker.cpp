@@ -1,4 +1,4 @@
-#include "bridges/journal/worker.h"
+#include "bridges/disk/worker.h"
 
 #include <pthread.h>
 
@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-namespace journal {
+namespace disk {
 
 struct Worker::Shared {
   std::mutex mutex;
@@ -82,4 +82,4 @@ void Worker::work(const std::shared_ptr<Shared>& shared) {
   shared->changed.notify_all();
 }
 
-}  // namespace journal
+}  // namespace disk
