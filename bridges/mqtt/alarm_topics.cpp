@@ -63,6 +63,14 @@ canopen::TimePoint AlarmTopics::collect(canopen::TimePoint now, std::vector<Mess
   return next;
 }
 
+void AlarmTopics::collect_last(std::vector<Message>& out) {
+  for (Entry& entry : entries_) {
+    if (const canopen::TimePoint due = entry.kept.next(); due != canopen::kNever) {
+      collect(entry, due, out);
+    }
+  }
+}
+
 void AlarmTopics::collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out) const {
   if (entry.alarm != nullptr && !entry.alarm->known) {
     entry.kept.withhold();

@@ -31,6 +31,8 @@ class AlarmTopics {
 
   /// Appends what is due; returns when something is due next.
   canopen::TimePoint collect(canopen::TimePoint now, std::vector<Message>& out);
+  /// Appends what is held back: the end is near, and nothing is collected later.
+  void collect_last(std::vector<Message>& out);
 
  private:
   struct Entry {

@@ -67,6 +67,9 @@ boost::asio::awaitable<void> Bridge::stop() {
     co_await ended_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
   }
   std::vector<Message> last = std::exchange(batch_, {});
+  if (session_.ready()) {
+    alarms_.collect_last(last);
+  }
   for (const Feed& feed : feeds_) {
     last.push_back(feed.offline());
   }

@@ -6,7 +6,6 @@ namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
-using canopen::kNever;
 
 class KeptTopicTest : public testing::Test {
  protected:
@@ -23,11 +22,11 @@ class KeptTopicTest : public testing::Test {
 TEST_F(KeptTopicTest, IsDueAtEachNewConnectionWhateverItIs) {
   EXPECT_LE(topic_.next(), start_);
   EXPECT_TRUE(topic_.offer("a", start_));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
   topic_.forget();
   EXPECT_LE(topic_.next(), start_);
   EXPECT_TRUE(topic_.offer("a", start_ + 1ms));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
 }
 
 TEST_F(KeptTopicTest, AChangeIsDueAtOnceAndTheNextOnesAreHeldBack) {
@@ -38,14 +37,14 @@ TEST_F(KeptTopicTest, AChangeIsDueAtOnceAndTheNextOnesAreHeldBack) {
   EXPECT_EQ(topic_.changed(start_ + 20ms), start_ + 500ms);
   EXPECT_EQ(topic_.next(), start_ + 500ms);
   EXPECT_TRUE(topic_.offer("c", start_ + 500ms));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
 }
 
 TEST_F(KeptTopicTest, WhatDidNotChangeIsNotPublishedAndHoldsNothingBack) {
   publish("a", start_ - 10s);
   EXPECT_EQ(topic_.changed(start_), start_);
   EXPECT_FALSE(topic_.offer("a", start_));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
   EXPECT_EQ(topic_.changed(start_ + 1ms), start_ + 1ms);
   EXPECT_TRUE(topic_.offer("b", start_ + 1ms));
 }
@@ -61,9 +60,9 @@ TEST_F(KeptTopicTest, ToSayAWordAgainHoldsNoChangeBack) {
 
 TEST_F(KeptTopicTest, WithoutAWordTheTopicStaysAsItIs) {
   topic_.withhold();
-  EXPECT_EQ(topic_.next(), kNever);
-  EXPECT_EQ(topic_.received("x", start_), kNever);
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
+  EXPECT_EQ(topic_.received("x", start_), canopen::kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
   EXPECT_EQ(topic_.changed(start_), start_);
   EXPECT_TRUE(topic_.offer("a", start_));
 }
@@ -72,24 +71,24 @@ TEST_F(KeptTopicTest, IsPutRightAtMostOnceASecond) {
   publish("a", start_ - 10s);
   EXPECT_EQ(topic_.received("x", start_), start_);
   EXPECT_TRUE(topic_.offer("a", start_));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
   EXPECT_EQ(topic_.received("", start_ + 10ms), start_ + 1s);
   EXPECT_EQ(topic_.received("y", start_ + 20ms), start_ + 1s);
   EXPECT_EQ(topic_.next(), start_ + 1s);
   EXPECT_TRUE(topic_.offer("a", start_ + 1s));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
 }
 
 TEST_F(KeptTopicTest, WhoeverPutsItRightItIsRight) {
   publish("a", start_ - 10s);
   topic_.received("x", start_);
-  EXPECT_EQ(topic_.received("a", start_), kNever);
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.received("a", start_), canopen::kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
   // A new word does so too.
   topic_.received("x", start_);
   topic_.changed(start_);
   EXPECT_TRUE(topic_.offer("b", start_));
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
 }
 
 TEST_F(KeptTopicTest, OwnMessagesThatComeBackAreNoReasonToSayItAgain) {
@@ -99,7 +98,7 @@ TEST_F(KeptTopicTest, OwnMessagesThatComeBackAreNoReasonToSayItAgain) {
   topic_.received("a", start_ + 10ms);  // on its way when `b` was published
   EXPECT_GT(topic_.next(), start_ + 900ms);
   topic_.received("b", start_ + 20ms);
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.next(), canopen::kNever);
 }
 
 TEST_F(KeptTopicTest, AnOlderWordOfOursThatSomebodyWritesIsPutRightToo) {
