@@ -20,6 +20,8 @@ class AlarmPace {
   [[nodiscard]] bool due(canopen::TimePoint now) const { return next() <= now; }
   /// The alarm as it is was told; nothing waits any more.
   void told(canopen::TimePoint now);
+  /// What waited turned out to be nothing to tell.
+  void drop() noexcept { pending_ = false; }
   /// When the change that waits is due, which may be past; kNever: none waits.
   [[nodiscard]] canopen::TimePoint next() const;
 

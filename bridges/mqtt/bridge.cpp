@@ -8,7 +8,6 @@
 #include <exception>
 #include <utility>
 
-#include "bridges/alarms/alarm_json.h"
 #include "bridges/mqtt/info.h"
 #include "bridges/mqtt/payload.h"
 
@@ -28,9 +27,9 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       broker_(std::move(broker)),
       notice_(std::move(notice)),
       topics_(plant.model(), settings.base, gateway.name),
-      session_(*broker_, topics_, plant.size()),
+      session_(*broker_, topics_),
       requests_(executor, plant, topics_, [this](Message message) { publish(std::move(message)); }),
-      bus_alarms_due_(plant.model().buses.size(), true),
+      alarms_(plant, topics_),
       next_(kNever),
       executor_(std::move(executor)),
       timer_(executor_),
@@ -68,6 +67,9 @@ boost::asio::awaitable<void> Bridge::stop() {
     co_await ended_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
   }
   std::vector<Message> last = std::exchange(batch_, {});
+  if (session_.ready()) {
+    alarms_.collect_last(last);
+  }
   for (const Feed& feed : feeds_) {
     last.push_back(feed.offline());
   }
@@ -79,7 +81,12 @@ boost::asio::awaitable<void> Bridge::stop() {
 
 void Bridge::on_values(const process::Drive& drive, std::span<const process::SignalId> signals) {
   if (session_.ready()) {
-    wake(feeds_[drive.index()].mark_values(signals, canopen::Clock::now()));
+    Feed& feed = feeds_[drive.index()];
+    const canopen::TimePoint now = canopen::Clock::now();
+    wake(feed.mark_values(signals, now));
+    if (feed.must_not_wait()) {  // the next frame of this turn may take it back
+      feed.collect(now, batch_);
+    }
   }
 }
 
@@ -105,14 +112,13 @@ void Bridge::on_status(const process::Drive& drive) {
 
 void Bridge::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
   if (session_.ready()) {
-    wake(feeds_[drive.index()].mark_alarm(kind, canopen::Clock::now()));
+    wake(alarms_.mark(drive, kind, canopen::Clock::now()));
   }
 }
 
 void Bridge::on_bus_alarm(std::size_t bus) {
-  bus_alarms_due_.at(bus) = true;
   if (session_.ready()) {
-    wake(canopen::Clock::now());
+    wake(alarms_.mark_bus(bus, canopen::Clock::now()));
   }
 }
 
@@ -129,17 +135,18 @@ void Bridge::on_disconnected() {
 void Bridge::on_subscribed(bool granted) {
   if (!granted) {
     notice_(Level::error, "MQTT: the broker refuses subscriptions below " + topics_.root() +
-                              "; commands do not arrive. Give the gateway's user the right to read there");
+                              "; commands, or what others write on topics of alarms, do not arrive. Give the "
+                              "gateway's user the right to read there");
   }
-  session_.subscribed(canopen::Clock::now());
+  session_.subscribed();
   wake(session_.deadline());
   follow_session();
 }
 
 void Bridge::on_message(Incoming message) {
   const auto route = topics_.route(message.topic);
-  if (route && route->kind == Route::Kind::alarm) {
-    take_alarm(*route, message);
+  if (route && route->kind == Route::Kind::watched) {
+    wake(alarms_.received(message, canopen::Clock::now()));
     return;
   }
   requests_.handle(message);
@@ -170,26 +177,12 @@ canopen::TimePoint Bridge::turn() {
   return std::min(next_, session_.deadline());
 }
 
-void Bridge::take_alarm(const Route& /*route*/, const Incoming& message) {
-  if (!session_.reads_back() || !message.retained) {
-    return;
-  }
-  for (std::size_t i = 0; i < plant_.size(); ++i) {
-    if (topics_.drive(i).alarms.at(static_cast<std::size_t>(alarms::AlarmKind::emcy)) != message.topic) {
-      continue;
-    }
-    session_.alarm_came(i);
-    follow_session();
-    return;
-  }
-}
-
 void Bridge::announce() {
   batch_.push_back({.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_)});
   for (Feed& feed : feeds_) {
     feed.mark_all();
   }
-  bus_alarms_due_.assign(bus_alarms_due_.size(), true);
+  alarms_.mark_all();
   collect(canopen::Clock::now());
   batch_.push_back({.topic = topics_.status(), .payload = online_text(true)});
   broker_->publish(std::exchange(batch_, {}));
@@ -197,15 +190,7 @@ void Bridge::announce() {
 }
 
 void Bridge::collect(canopen::TimePoint now) {
-  next_ = kNever;
-  for (std::size_t i = 0; i < bus_alarms_due_.size(); ++i) {
-    if (bus_alarms_due_[i]) {
-      bus_alarms_due_[i] = false;
-      batch_.push_back({.topic = topics_.bus_alarm(i),
-                        .payload = alarms::alarm_json(plant_.bus_alarm(i)),
-                        .kind = MessageKind::alarm});
-    }
-  }
+  next_ = alarms_.collect(now, batch_);
   for (Feed& feed : feeds_) {
     next_ = std::min(next_, feed.collect(now, batch_));
   }

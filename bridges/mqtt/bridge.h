@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/mqtt/alarm_topics.h"
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/feed.h"
 #include "bridges/mqtt/notice.h"
@@ -63,7 +64,6 @@ class Bridge final : public process::Observer, private BrokerEvents {
   boost::asio::awaitable<void> run();
   /// Publishes what is due; returns when to come again.
   canopen::TimePoint turn();
-  void take_alarm(const Route& route, const Incoming& message);
   void announce();
   void collect(canopen::TimePoint now);
   void follow_session();
@@ -77,10 +77,10 @@ class Bridge final : public process::Observer, private BrokerEvents {
   Topics topics_;
   Session session_;
   Requests requests_;
-  std::vector<Feed> feeds_;           ///< By drive.
-  std::vector<bool> bus_alarms_due_;  ///< By bus.
-  std::vector<Message> batch_;        ///< Of this turn.
-  canopen::TimePoint next_;           ///< When something of the feeds is due.
+  AlarmTopics alarms_;
+  std::vector<Feed> feeds_;     ///< By drive.
+  std::vector<Message> batch_;  ///< Of this turn.
+  canopen::TimePoint next_;     ///< When something of the alarms or feeds is due.
   std::function<void(bool)> connected_change_;
   bool was_connected_ = false;
 

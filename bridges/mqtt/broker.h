@@ -15,6 +15,9 @@ using ConnectionId = std::uint64_t;
 struct Subscription {
   std::string filter;
   int qos = 1;
+  /// Topics that we publish on: what others write there from now on. With MQTT 3.1.1, which has no such choice, what is
+  /// retained and our own messages come too.
+  bool watched = false;
 };
 
 /// What a broker tells, on the loop, in the order in which it happened; and what it asks.

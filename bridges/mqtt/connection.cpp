@@ -42,6 +42,14 @@ connect_options options_of(const ConnectionSettings& settings) {
   return options;
 }
 
+subscribe_options options_of(const Subscription& subscription) {
+  if (subscription.watched) {
+    return subscribe_options(subscribe_options::SUBSCRIBE_NO_LOCAL, subscribe_options::NO_RETAIN_AS_PUBLISHED,
+                             subscribe_options::DONT_SEND_RETAINED);
+  }
+  return subscribe_options(subscribe_options::SUBSCRIBE_LOCAL, subscribe_options::RETAIN_AS_PUBLISHED);
+}
+
 create_options creation_of(const ConnectionSettings& settings) {
   create_options options(settings.version, kPahoBuffer);
   options.set_send_while_disconnected(false);
@@ -113,11 +121,9 @@ class Connection::Body final : private callback {
   void subscribe(const std::vector<Subscription>& subscriptions) {
     awaited_ = subscriptions.size();
     all_granted_ = true;
-    const subscribe_options as_published(subscribe_options::SUBSCRIBE_LOCAL, subscribe_options::RETAIN_AS_PUBLISHED);
-    const subscribe_options plain;
     for (const Subscription& subscription : subscriptions) {
       client_.subscribe(subscription.filter, subscription.qos, nullptr, subscribing_,
-                        settings_.version >= MQTTVERSION_5 ? as_published : plain);
+                        settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
     }
   }
 

@@ -1,32 +1,10 @@
 #include "bridges/mqtt/feed.h"
 
 #include <algorithm>
-#include <chrono>
-#include <utility>
 
-#include "bridges/alarms/alarm_json.h"
 #include "bridges/mqtt/payload.h"
 
 namespace mqtt {
-namespace {
-
-// A search ends sooner: it listens for the heartbeat's timeout, asks, and listens again. What restarts all the time or
-// was stopped meanwhile may never tell.
-canopen::Duration patience_of(const config::Drive& drive) {
-  return std::chrono::seconds(10) + 3 * drive.node.error_control.heartbeat_timeout;
-}
-
-bool tells_its_state(const canopen::NodeStatus& status) {
-  return status.online || status.lost || status.boot_result != canopen::BootResult::not_booted ||
-         !status.boot_text.empty();
-}
-
-// Follows from whether and how the drive is there. What emcy holds was read back from the broker.
-bool depends_on_state(alarms::AlarmKind kind) {
-  return kind == alarms::AlarmKind::heartbeat || kind == alarms::AlarmKind::boot || kind == alarms::AlarmKind::data;
-}
-
-}  // namespace
 
 Feed::Feed(const process::Drive& drive, const DriveTopics& topics, const config::Mqtt& settings)
     : drive_(drive), topics_(topics), settings_(settings), pace_(drive.model(), settings) {
@@ -57,11 +35,6 @@ canopen::TimePoint Feed::mark_status(canopen::TimePoint now) {
   return now;
 }
 
-canopen::TimePoint Feed::mark_alarm(alarms::AlarmKind kind, canopen::TimePoint now) {
-  alarms_due_.set(static_cast<std::size_t>(kind));
-  return now;
-}
-
 canopen::TimePoint Feed::mark_control(canopen::TimePoint now) {
   control_due_ = true;
   return now;
@@ -71,7 +44,6 @@ void Feed::mark_all() {
   online_.reset();
   nmt_.reset();
   control_due_ = true;
-  alarms_due_.set();
   pace_.forget();
 }
 
@@ -85,32 +57,15 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
     control_due_ = false;
     out.push_back({.topic = topics_.control, .payload = control_json(drive_.control())});
   }
-  const canopen::TimePoint held = collect_alarms(now, out);
   // The state before the single values: its time stamps are those of the values as they were compared.
   collect_state(now, out);
   collect_signals(now, out);
-  return std::min(pace_.next(), held);
+  pace_.collected();
+  return pace_.next();
 }
 
 Message Feed::offline() const {
   return {.topic = topics_.status, .payload = online_text(false)};
-}
-
-canopen::TimePoint Feed::collect_alarms(canopen::TimePoint now, std::vector<Message>& out) {
-  first_ = first_.value_or(now);
-  const canopen::TimePoint until = *first_ + patience_of(drive_.model());
-  learnt_ = learnt_ || !drive_.model().enabled || tells_its_state(drive_.status()) || now >= until;
-  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-    const auto position = static_cast<std::size_t>(kind);
-    if (!alarms_due_.test(position) || (depends_on_state(kind) && !learnt_)) {
-      continue;
-    }
-    alarms_due_.reset(position);
-    out.push_back({.topic = topics_.alarms.at(position),
-                   .payload = alarms::alarm_json(drive_.alarm(kind)),
-                   .kind = MessageKind::alarm});
-  }
-  return learnt_ ? canopen::TimePoint::max() : until;
 }
 
 void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bitset>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,8 +12,8 @@
 
 namespace mqtt {
 
-/// What one drive has to tell: marks what changed as it happens, and writes it out once per turn of the loop.
-/// The marks return when something is due; TimePoint::max() where nothing is.
+/// What one drive has to tell but its alarms: marks what changed as it happens, and writes it out once per turn of the
+/// loop, and where something must not wait. The marks return when something is due; TimePoint::max() where nothing is.
 class Feed {
  public:
   /// All outlive the feed.
@@ -22,11 +21,12 @@ class Feed {
 
   canopen::TimePoint mark_values(std::span<const process::SignalId> signals, canopen::TimePoint now);
   canopen::TimePoint mark_status(canopen::TimePoint now);
-  canopen::TimePoint mark_alarm(alarms::AlarmKind kind, canopen::TimePoint now);
   canopen::TimePoint mark_control(canopen::TimePoint now);
   /// Everything is due: a new connection.
   void mark_all();
 
+  /// A boolean or a name changed: collected now it is told even where it changes back in the same turn.
+  [[nodiscard]] bool must_not_wait() const noexcept { return pace_.has_switched(); }
   /// Appends what is due; returns when something is due next.
   canopen::TimePoint collect(canopen::TimePoint now, std::vector<Message>& out);
 
@@ -34,8 +34,6 @@ class Feed {
   [[nodiscard]] Message offline() const;
 
  private:
-  /// Returns when those that it held back are due.
-  canopen::TimePoint collect_alarms(canopen::TimePoint now, std::vector<Message>& out);
   void collect_signals(canopen::TimePoint now, std::vector<Message>& out);
   void collect_state(canopen::TimePoint now, std::vector<Message>& out);
 
@@ -47,11 +45,6 @@ class Feed {
   std::optional<canopen::NmtState> nmt_;
   bool fresh_ = false;
   bool control_due_ = true;
-  /// The drive was once online, lost, or found with a boot error. Until then its alarms are those on the broker: to
-  /// call them over for the seconds that a search takes would be no news but a mistake.
-  bool learnt_ = false;
-  std::optional<canopen::TimePoint> first_;  ///< When it first had something to tell.
-  std::bitset<alarms::kAlarmKinds.size()> alarms_due_;
 };
 
 }  // namespace mqtt

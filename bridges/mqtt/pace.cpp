@@ -39,6 +39,7 @@ canopen::TimePoint Pace::note(process::SignalId signal, canopen::Raw raw, bool f
     return kNever;
   }
   entry.urgent = entry.shape != Shape::number || fresh != entry.fresh;
+  switched_ = switched_ || entry.shape != Shape::number;
   state_pending_ = true;
   state_urgent_ = state_urgent_ || entry.urgent;
   canopen::TimePoint at = kNever;

@@ -24,6 +24,10 @@ class Pace {
   /// Nothing counts as published any more: all is due at once.
   void forget();
 
+  /// A boolean or a name changed since collected().
+  [[nodiscard]] bool has_switched() const noexcept { return switched_; }
+  /// All that is due was told.
+  void collected() noexcept { switched_ = false; }
   [[nodiscard]] bool signal_due(process::SignalId signal, canopen::TimePoint now) const;
   [[nodiscard]] bool state_due(canopen::TimePoint now) const;
   void published_signal(process::SignalId signal, canopen::Raw raw, bool fresh, canopen::TimePoint now);
@@ -53,6 +57,7 @@ class Pace {
   std::vector<Entry> signals_;
   bool state_pending_ = false;
   bool state_urgent_ = false;
+  bool switched_ = false;
   std::optional<canopen::TimePoint> state_at_;
 };
 

@@ -37,7 +37,7 @@ bool is_expired(const Incoming& incoming, canopen::TimePoint now) {
 }
 
 bool carries_no_command(const Route& route) {
-  return route.kind == Route::Kind::alarm || route.kind == Route::Kind::alive;
+  return route.kind == Route::Kind::watched || route.kind == Route::Kind::alive;
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant,
 
 void Requests::handle(const Incoming& incoming) {
   const auto route = topics_.route(incoming.topic);
-  if (!under_way_->open || !route || route->kind == Route::Kind::alarm) {
+  if (!under_way_->open || !route || route->kind == Route::Kind::watched) {
     return;
   }
   if (route->kind == Route::Kind::alive) {

@@ -68,7 +68,8 @@ Topics::Topics(const config::Model& model, std::string base, std::string_view ga
       root_(base_ + "/" + std::string(gateway)),
       status_(status_topic(base_, gateway)),
       info_(root_ + "/info"),
-      result_(root_ + "/result") {
+      result_(root_ + "/result"),
+      alarms_(root_ + "/alarms") {
   for (const config::Drive& drive : model.drives) {
     drives_.push_back(topics_of(drive, root_));
   }
@@ -86,6 +87,16 @@ std::vector<Subscription> Topics::command_subscriptions() const {
           {root_ + "/stop", 1}};
 }
 
+std::vector<Subscription> Topics::watched_subscriptions() const {
+  std::vector<Subscription> watched{{.filter = root_ + "/bus/+/alarm", .watched = true},
+                                    {.filter = alarms_, .watched = true}};
+  // Not `+/alarm/+`: that overlaps with a command's filter, so that both would come twice.
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+    watched.push_back({.filter = root_ + "/+/alarm/" + std::string(alarms::name_of(kind)), .watched = true});
+  }
+  return watched;
+}
+
 std::optional<Route> Topics::route(std::string_view topic) const {
   const auto rest = below(topic, root_);
   if (!rest) {
@@ -97,6 +108,9 @@ std::optional<Route> Topics::route(std::string_view topic) const {
   }
   if (levels.size() == 2 && levels[1] == "set") {
     return Route{Route::Kind::set_drive, levels[0], {}};
+  }
+  if (*rest == "alarms") {
+    return Route{Route::Kind::watched, {}, {}};
   }
   if (levels.size() != 3) {
     return std::nullopt;
@@ -111,8 +125,8 @@ std::optional<Route> Topics::route(std::string_view topic) const {
   if (levels[1] == "control" && levels[2] == "alive") {
     return Route{Route::Kind::alive, levels[0], {}};
   }
-  if (levels[1] == "alarm") {
-    return Route{Route::Kind::alarm, levels[0], levels[2]};
+  if (levels[1] == "alarm" || (levels[0] == "bus" && levels[2] == "alarm")) {
+    return Route{Route::Kind::watched, levels[0], {}};
   }
   return std::nullopt;
 }
@@ -132,7 +146,7 @@ bool Topics::refused_as_response(std::string_view topic) const {
   if (levels.size() == 2 && levels[1] == "stop") {  // of any gateway of this base
     return true;
   }
-  if (topic == status_ || topic == info_) {
+  if (topic == status_ || topic == info_ || topic == alarms_) {
     return true;
   }
   return std::any_of(drives_.begin(), drives_.end(),

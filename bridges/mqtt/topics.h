@@ -25,7 +25,7 @@ struct DriveTopics {
 
 /// What a message is about, by its topic. Nothing in it is checked to exist.
 struct Route {
-  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm };
+  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, watched };
   Kind kind = Kind::set_signal;
   std::string_view drive;   ///< A part of the topic; empty: all.
   std::string_view signal;  ///< Of set_signal.
@@ -41,11 +41,15 @@ class Topics {
   [[nodiscard]] const std::string& result() const noexcept { return result_; }
   [[nodiscard]] const std::string& root() const noexcept { return root_; }  ///< `B` itself.
   [[nodiscard]] const DriveTopics& drive(std::size_t index) const { return drives_.at(index); }
+  /// The list of active alarms.
+  [[nodiscard]] const std::string& alarms() const noexcept { return alarms_; }
   [[nodiscard]] const std::string& bus_alarm(std::size_t bus) const { return bus_alarms_.at(bus); }
 
   /// What commands come by, of any drive name: unknown ones are answered too.
   [[nodiscard]] std::vector<Subscription> command_subscriptions() const;
-  /// Of a topic that command_subscriptions() or an alarm matches.
+  /// Topics of alarms, where nobody but we should write.
+  [[nodiscard]] std::vector<Subscription> watched_subscriptions() const;
+  /// Of a topic that one of these subscriptions matches.
   [[nodiscard]] std::optional<Route> route(std::string_view topic) const;
   /// An answer sent there could be taken for a command or for something that we publish, by us or by another gateway of
   /// the same base; or it is no topic one can publish to.
@@ -57,6 +61,7 @@ class Topics {
   std::string status_;
   std::string info_;
   std::string result_;
+  std::string alarms_;
   std::vector<DriveTopics> drives_;
   std::vector<std::string> bus_alarms_;
 };

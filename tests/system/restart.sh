@@ -2,7 +2,7 @@
 # The gateway is killed while a motor runs, and starts again: nothing is sent to the drive, and its values are live at
 # once. The broker restarts, too. Run inside tests/vcan/run.
 . "$(dirname "$0")/lib.sh"
-cp "$root/tests/system/gateway.toml" "$work/gateway.toml"
+sed "/^\[gateway\]/a state_dir = \"$work/state\"" "$root/tests/system/gateway.toml" >"$work/gateway.toml"
 
 start_broker
 start_trace
@@ -39,6 +39,11 @@ expect "the motor still runs" 30.00 "$(drive_says 5 frequency)"
 wait_until 10 "the alarm is confirmed again" field_is fan1/alarm/emcy .confirmed true
 expect "it is active" true "$(field fan1/alarm/emcy .active)"
 expect "and still the same alarm" "$alarm" "$(field fan1/alarm/emcy .id)"
+expect "the list names it" fan1 "$(field alarms '.[] | select(.kind == "emcy") | .drive')"
+
+say "an alarm that somebody empties is put right"
+mosquitto_pub -h 127.0.0.1 -p "$broker_port" -r -n -t "$topics/fan1/alarm/emcy"
+wait_until 5 "the alarm is there again" field_is fan1/alarm/emcy .id "$alarm"
 
 say "a set-point does not carry the old run command"
 mark

@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "bridges/alarms/alarm_json.h"
 #include "tests/unit/mqtt/plant_site.h"
 
 namespace mqtt {
@@ -15,8 +14,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::PlantSite;
-
-constexpr const char* kEmcy = "canopen/line3/pump1/alarm/emcy";
 
 bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
@@ -37,6 +34,7 @@ TEST(MqttBridge, AnnouncesEverythingAndOnlineLast) {
                             "pump1/alarm/control", "bus/can0/alarm"}) {
     EXPECT_TRUE(contains(site.retained(alarm), R"("active":false)")) << alarm << ": " << site.retained(alarm);
   }
+  EXPECT_EQ(site.retained("alarms"), "[]");
   EXPECT_TRUE(contains(site.retained("info"), R"("version":"1.2.3")"));
   EXPECT_TRUE(contains(
       site.retained("info"),
@@ -228,83 +226,42 @@ TEST(MqttBridge, ADeniedSubscriptionIsSaid) {
   site.broker().events->on_subscribed(false);
   ASSERT_EQ(site.notices().size(), 1U);
   EXPECT_TRUE(contains(site.notices()[0], "refuses subscriptions"));
-  site.run_silent(1100ms);
+  site.loop().settle();
   EXPECT_TRUE(site.bridge().connected()) << "values go out all the same";
 }
 
-alarms::Alarm old_alarm() {
-  alarms::Alarm alarm;
-  alarm.active = true;
-  alarm.id = "before-1";
-  alarm.code = 0x2310;
-  alarm.text = "Overcurrent";
-  alarm.error_register = 1;
-  alarm.since = canopen::wall_now() - 1h;
-  alarm.ts = alarm.since;
-  alarm.count = 3;
-  alarm.errors = {{alarm.code, alarm.vendor, alarm.text, alarm.severity, alarm.since}};
-  return alarm;
-}
-
-void connect_with_old_alarm(PlantSite& site) {
-  site.broker().events->on_connected(1);
-  site.broker().events->on_subscribed(true);
-  site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
-}
-
-TEST(MqttBridge, AnAlarmOfAMissingDriveIsNotCalledOverBeforeTheDriveIsFoundOrFoundMissing) {
-  for (const bool is_there : {false, true}) {
-    PlantSite site;
-    site.puppet().mute = !is_there;
-    connect_with_old_alarm(site);
-    ASSERT_TRUE(site.bridge().connected());
-    EXPECT_EQ(site.retained("status"), "online");
-    for (const char* alarm : {"pump1/alarm/heartbeat", "pump1/alarm/boot", "pump1/alarm/data"}) {
-      EXPECT_EQ(site.retained(alarm), "never published") << alarm;
-    }
-    if (is_there) {
-      site.bring_up_drive();
-    } else {
-      site.loop().advance(5s, 10ms);
-    }
-    EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), is_there ? R"("active":false)" : R"("active":true)"))
-        << site.retained("pump1/alarm/heartbeat");
-    EXPECT_TRUE(contains(site.retained("pump1/alarm/boot"), R"("active":false)"));
-    EXPECT_TRUE(contains(site.retained("pump1/alarm/data"), R"("active":false)"));
-  }
-}
-
-TEST(MqttBridge, ALongSearchCallsNoAlarmOver) {
-  config::Model model = PlantSite::bridge_model();
-  model.drives[0].node.error_control.heartbeat_timeout = 30s;
-  PlantSite site(std::move(model));
-  site.puppet().mute = true;
-  connect_with_old_alarm(site);
-  site.loop().advance(25s, 100ms);
-  EXPECT_EQ(site.retained("pump1/alarm/heartbeat"), "never published");
-  site.loop().advance(20s, 100ms);
-  EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), R"("active":true)"))
-      << site.retained("pump1/alarm/heartbeat");
-}
-
-TEST(MqttBridge, AlarmsOfADriveThatRestartsAllTheTimeAreToldAfterAWhile) {
+TEST(MqttBridge, APulseWithinOneTurnIsToldInOrder) {
   PlantSite site;
-  site.puppet().mute = true;
-  connect_with_old_alarm(site);
-  for (int i = 0; i < 80; ++i) {
-    EXPECT_EQ(i < 70 ? site.retained("pump1/alarm/heartbeat") : "never published", "never published") << i;
-    site.puppet().boot_up();
-    site.loop().advance(200ms, 10ms);
-  }
-  EXPECT_TRUE(contains(site.retained("pump1/alarm/heartbeat"), R"("active":false)"));
-  EXPECT_TRUE(contains(site.retained("pump1/alarm/data"), R"("active":false)"));
-}
-
-TEST(MqttBridge, AnAlarmThatIsPublishedLaterIsNotTakenForAnOldOne) {
-  PlantSite site;
+  site.bring_up_drive();
   site.connect();
-  site.receive({.topic = kEmcy, .payload = alarms::alarm_json(old_alarm()), .retained = true});
-  EXPECT_FALSE(site.plant().drive(0).alarm(alarms::AlarmKind::emcy).active);
+  site.run(1s);
+  site.broker().forget();
+  site.puppet().tpdo(1, std::array<std::uint8_t, 7>{1, 0, 0, 0, 4, 0, 0});
+  site.puppet().tpdo(1, std::array<std::uint8_t, 7>{0, 0, 0, 0, 3, 0, 0});
+  site.loop().settle();
+  EXPECT_EQ(site.broker().batches, 1U) << "both came in one turn";
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/running"), (std::vector<std::string>{"true", "false"}));
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/drive_state"), (std::vector<std::string>{"running", "stopped"}));
+  const auto states = site.broker().on("canopen/line3/pump1/state");
+  ASSERT_EQ(states.size(), 2U);
+  EXPECT_TRUE(contains(states[0], R"("drive_state":"running","drive_state_code":4,"fault_code":0,"running":true)"))
+      << states[0];
+  EXPECT_TRUE(contains(states[1], R"("drive_state":"stopped","drive_state_code":3,"fault_code":0,"running":false)"))
+      << states[1];
+}
+
+TEST(MqttBridge, NumbersAloneAreToldOnceATurn) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.run(1s);
+  site.broker().forget();
+  for (std::uint8_t frequency = 1; frequency <= 50; ++frequency) {
+    site.puppet().tpdo(1, std::array<std::uint8_t, 7>{0, 0, frequency, 0, 3, 0, 0});
+  }
+  site.loop().settle();
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/output_frequency"), std::vector<std::string>{"0.50"});
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/state").size(), 1U);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <boost/asio/awaitable.hpp>
 #include <map>
 #include <string>
@@ -35,13 +37,15 @@ class FakeBroker final : public Broker {
     co_return;
   }
 
-  [[nodiscard]] bool has_subscribed(const std::string& filter) const {
-    for (const Subscription& subscription : subscribed) {
-      if (subscription.filter == filter) {
-        return true;
+  /// What was last subscribed with this filter; one without a filter where nothing was.
+  [[nodiscard]] Subscription subscription(const std::string& filter) const {
+    for (const Subscription& each : subscribed) {
+      if (each.filter == filter) {
+        return each;
       }
     }
-    return false;
+    ADD_FAILURE() << "not subscribed: " << filter;
+    return {};
   }
   /// Payloads published on one topic, in order.
   [[nodiscard]] std::vector<std::string> on(const std::string& topic) const {

@@ -33,7 +33,7 @@ config::Model PlantSite::bridge_model() {
   return made;
 }
 
-PlantSite::PlantSite(config::Model model)
+PlantSite::PlantSite(config::Model model, const std::optional<alarms::Alarm>& emcy)
     : model_(std::move(model)),
       can_(loop_.executor()),
       puppet_(can_, kNode),
@@ -46,6 +46,9 @@ PlantSite::PlantSite(config::Model model)
   fill_dictionary(puppet_);
   plant_.add(bridge_);
   bridge_.start();
+  if (emcy) {
+    plant_.drive(0).restore(alarms::AlarmKind::emcy, *emcy);
+  }
   bus_.start();
   plant_.start();
   loop_.settle();
@@ -83,9 +86,6 @@ void PlantSite::connect(ConnectionId connection) {
   broker_->events->on_connected(connection);
   loop_.settle();
   broker_->events->on_subscribed(true);
-  if (!bridge_.connected()) {
-    run(Session::kReadBack + milliseconds(50));
-  }
   loop_.settle();
 }
 

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "bridges/alarms/alarm.h"
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
@@ -21,7 +23,8 @@ namespace mqtt::test {
 /// A plant with one puppet drive and the MQTT bridge on a broker that the test plays; time moved by hand.
 class PlantSite {
  public:
-  explicit PlantSite(config::Model model = bridge_model());
+  /// `emcy`: the drive's emergency alarm as memory holds it from before the start.
+  explicit PlantSite(config::Model model = bridge_model(), const std::optional<alarms::Alarm>& emcy = {});
   ~PlantSite();
   PlantSite(const PlantSite&) = delete;
   PlantSite& operator=(const PlantSite&) = delete;
@@ -31,7 +34,7 @@ class PlantSite {
 
   /// The drive boots, is configured and started, and sends its values.
   void bring_up_drive();
-  /// The broker connects, grants the subscription and holds no alarm.
+  /// The broker connects, grants the subscription.
   void connect(ConnectionId connection = 1);
   /// The drive's TPDO: status word, frequency in 0.01 Hz, state, fault code.
   void send_values(std::uint16_t status, std::uint16_t frequency, std::uint8_t state, std::uint16_t fault_code = 0);

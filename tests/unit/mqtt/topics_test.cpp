@@ -19,6 +19,7 @@ TEST_F(TopicsTest, AreThoseOfTheContract) {
   EXPECT_EQ(topics_.status(), "canopen/line3/status");
   EXPECT_EQ(topics_.info(), "canopen/line3/info");
   EXPECT_EQ(topics_.result(), "canopen/line3/result");
+  EXPECT_EQ(topics_.alarms(), "canopen/line3/alarms");
   EXPECT_EQ(topics_.bus_alarm(0), "canopen/line3/bus/can0/alarm");
   const DriveTopics& pump = topics_.drive(0);
   EXPECT_EQ(pump.status, "canopen/line3/pump1/status");
@@ -43,7 +44,10 @@ TEST_F(TopicsTest, RoutesCommands) {
   EXPECT_EQ(topics_.route("canopen/line3/pump1/control/alive")->kind, Route::Kind::alive);
   EXPECT_EQ(topics_.route("canopen/line3/pump1/control/alive")->drive, "pump1");
   EXPECT_EQ(topics_.route("canopen/line3/stop")->kind, Route::Kind::stop_all);
-  EXPECT_EQ(topics_.route("canopen/line3/pump1/alarm/emcy")->kind, Route::Kind::alarm);
+  for (const char* topic : {"canopen/line3/pump1/alarm/emcy", "canopen/line3/bus/can0/alarm", "canopen/line3/alarms"}) {
+    ASSERT_TRUE(topics_.route(topic)) << topic;
+    EXPECT_EQ(topics_.route(topic)->kind, Route::Kind::watched) << topic;
+  }
   EXPECT_EQ(topics_.route("canopen/line3/nobody/set")->drive, "nobody");
 }
 
@@ -52,7 +56,8 @@ TEST_F(TopicsTest, RoutesNothingElse) {
        {"", "canopen/line3", "canopen/line3/", "canopen/line3/set", "canopen/line33/pump1/set",
         "canopen/line3/pump1/state", "canopen/line3/pump1/a/b/set", "other/line3/pump1/set",
         "canopen/line3/pump1/sdo/response", "canopen/line3/pump1/request", "canopen/line3/pump1/stop",
-        "canopen/line4/stop", "canopen/line3/pump1/control", "canopen/line3/control/alive"}) {
+        "canopen/line4/stop", "canopen/line3/pump1/control", "canopen/line3/control/alive", "canopen/line4/alarms",
+        "canopen/line3/pump1/alarms", "canopen/line3/pump1/can0/alarm"}) {
     EXPECT_FALSE(topics_.route(topic)) << topic;
   }
 }
@@ -67,7 +72,7 @@ TEST_F(TopicsTest, RefusesResponseTopicsThatAreCommandsOfAnyGateway) {
 
 TEST_F(TopicsTest, RefusesResponseTopicsThatWePublishOurselves) {
   for (const char* topic : {"canopen/line3/status", "canopen/line3/info", "canopen/line3/pump1/state",
-                            "canopen/line3/pump1/alarm/emcy", "canopen/line3/bus/can0/alarm"}) {
+                            "canopen/line3/pump1/alarm/emcy", "canopen/line3/bus/can0/alarm", "canopen/line3/alarms"}) {
     EXPECT_TRUE(topics_.refused_as_response(topic)) << topic;
   }
 }

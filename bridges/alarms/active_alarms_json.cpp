@@ -1,0 +1,35 @@
+#include "bridges/alarms/active_alarms_json.h"
+
+#include "bridges/text/json_text.h"
+#include "bridges/text/timestamp.h"
+#include "canopen/hex.h"
+
+namespace alarms {
+
+std::string active_alarms_json(std::span<const ListedAlarm> active) {
+  std::string out = "[";
+  bool first = true;
+  for (const ListedAlarm& listed : active) {
+    const Alarm& alarm = *listed.alarm;
+    text::append_separator(out, first);
+    text::ObjectText object(out);
+    if (listed.drive.empty()) {
+      object.text("bus", listed.bus);
+      object.text("kind", "bus");
+    } else {
+      object.text("drive", listed.drive);
+      object.text("kind", name_of(listed.kind));
+    }
+    object.text("code", "0x" + canopen::hex(alarm.code, 4));
+    object.text("reason", alarm.reason);
+    object.text("text", alarm.text);
+    object.text("severity", alarm.severity == config::Severity::fault ? "fault" : "warning");
+    object.text("since", text::timestamp(alarm.since));
+    object.boolean("first", alarm.first);
+    object.close();
+  }
+  out += ']';
+  return out;
+}
+
+}  // namespace alarms

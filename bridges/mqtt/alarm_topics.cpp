@@ -1,0 +1,97 @@
+#include "bridges/mqtt/alarm_topics.h"
+
+#include <algorithm>
+#include <string>
+
+#include "bridges/alarms/active_alarms_json.h"
+#include "bridges/alarms/alarm_json.h"
+
+namespace mqtt {
+
+AlarmTopics::AlarmTopics(const process::Plant& plant, const Topics& topics) : plant_(plant) {
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+      add(topics.drive(i).alarms.at(static_cast<std::size_t>(kind)), &plant.drive(i).alarm(kind));
+    }
+  }
+  for (std::size_t bus = 0; bus < plant.model().buses.size(); ++bus) {
+    add(topics.bus_alarm(bus), &plant.bus_alarm(bus));
+  }
+  add(topics.alarms(), nullptr);
+}
+
+void AlarmTopics::add(const std::string& topic, const alarms::Alarm* alarm) {
+  positions_.emplace(topic, entries_.size());
+  entries_.push_back({.topic = &topic, .alarm = alarm, .kept = {}});
+}
+
+canopen::TimePoint AlarmTopics::mark(const process::Drive& drive, alarms::AlarmKind kind, canopen::TimePoint now) {
+  return mark(drive.index() * alarms::kAlarmKinds.size() + static_cast<std::size_t>(kind), now);
+}
+
+canopen::TimePoint AlarmTopics::mark_bus(std::size_t bus, canopen::TimePoint now) {
+  return mark(plant_.size() * alarms::kAlarmKinds.size() + bus, now);
+}
+
+canopen::TimePoint AlarmTopics::mark(std::size_t position, canopen::TimePoint now) {
+  return std::min(entries_.at(position).kept.changed(now), entries_.back().kept.changed(now));
+}
+
+void AlarmTopics::mark_all() {
+  for (Entry& entry : entries_) {
+    entry.kept.forget();
+  }
+}
+
+canopen::TimePoint AlarmTopics::received(const Incoming& message, canopen::TimePoint now) {
+  const auto position = positions_.find(message.topic);
+  // What the broker kept from before it was subscribed to (MQTT 3.1.1) is older than all that we published since.
+  if (position == positions_.end() || message.retained) {
+    return canopen::kNever;
+  }
+  return entries_[position->second].kept.received(message.payload, now);
+}
+
+canopen::TimePoint AlarmTopics::collect(canopen::TimePoint now, std::vector<Message>& out) {
+  canopen::TimePoint next = canopen::kNever;
+  for (Entry& entry : entries_) {
+    if (entry.kept.next() <= now) {
+      collect(entry, now, out);
+    }
+    next = std::min(next, entry.kept.next());
+  }
+  return next;
+}
+
+void AlarmTopics::collect_last(std::vector<Message>& out) {
+  for (Entry& entry : entries_) {
+    if (const canopen::TimePoint due = entry.kept.next(); due != canopen::kNever) {
+      collect(entry, due, out);
+    }
+  }
+}
+
+void AlarmTopics::collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out) const {
+  if (entry.alarm != nullptr && !entry.alarm->known) {
+    entry.kept.withhold();
+    return;
+  }
+  std::string word = entry.alarm == nullptr ? list() : alarms::alarm_json(*entry.alarm);
+  if (entry.kept.offer(word, now)) {
+    out.push_back({.topic = *entry.topic, .payload = std::move(word), .kind = MessageKind::alarm});
+  }
+}
+
+std::string AlarmTopics::list() const {
+  std::vector<alarms::ListedAlarm> listed;
+  for (const process::ActiveAlarm& active : plant_.active_alarms()) {
+    if (active.drive != nullptr) {
+      listed.push_back({.drive = active.drive->model().name, .kind = active.kind, .alarm = active.alarm});
+    } else {
+      listed.push_back({.bus = plant_.model().buses[active.bus].name, .alarm = active.alarm});
+    }
+  }
+  return alarms::active_alarms_json(listed);
+}
+
+}  // namespace mqtt
