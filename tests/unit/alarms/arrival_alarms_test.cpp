@@ -260,8 +260,6 @@ TEST_F(AlarmsTest, RestoreJoinsWhatWasHeardMeanwhile) {
   EXPECT_EQ(emcy_alarm().code, 5);
 }
 
-// One class of emergency for many faults of the drive.
-
 TEST_F(AlarmsTest, BeforeTheFirstArrivalNothingIsConfirmed) {
   EXPECT_FALSE(emcy_alarm().active);
   EXPECT_FALSE(emcy_alarm().confirmed);

@@ -250,6 +250,7 @@ TEST_F(AlarmsTest, WarningBitClearsWarningsAndFaultBitFaults) {
   EXPECT_FALSE(emcy_alarm().active);
 }
 
+// One class of emergency stands for many faults of the drive.
 TEST_F(AlarmsTest, ErrorsOfOneCodeAreRestoredByTheirVendorBytes) {
   model_.node.emcy.layout = canopen::EmcyLayout::class_and_vendor40;
   model_.faults.drive_texts = {{1, {"OUt1", Severity::fault}}, {2, {"OUt2", Severity::fault}}};
