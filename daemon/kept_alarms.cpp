@@ -32,8 +32,25 @@ void KeptAlarms::restore() {
       plant_.restore_bus_alarm(static_cast<std::size_t>(bus - buses.begin()), before.alarm);
     }
   }
+  if (memory.newest_first) {
+    restore_first(*memory.newest_first);
+  }
   restored_ = true;
   keeper_.start([this] { return snapshot(); });
+}
+
+void KeptAlarms::restore_first(const alarms::NamedFault& first) {
+  if (first.bus.empty()) {
+    if (const process::Drive* drive = plant_.find(first.drive)) {
+      plant_.restore_first_out({.bus = false, .index = drive->index(), .kind = first.kind});
+    }
+    return;
+  }
+  const std::vector<config::Bus>& buses = plant_.model().buses;
+  const auto bus = std::ranges::find(buses, first.bus, &config::Bus::name);
+  if (bus != buses.end()) {
+    plant_.restore_first_out({.bus = true, .index = static_cast<std::size_t>(bus - buses.begin())});
+  }
 }
 
 void KeptAlarms::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
@@ -79,6 +96,11 @@ alarms::AlarmMemory KeptAlarms::snapshot() const {
     if (plant_.bus_alarm(i).known) {
       memory.buses.push_back({model.buses[i].name, plant_.bus_alarm(i)});
     }
+  }
+  if (const auto first = plant_.first_out()) {
+    memory.newest_first =
+        first->bus ? alarms::NamedFault{.drive = {}, .bus = model.buses[first->index].name}
+                   : alarms::NamedFault{.drive = model.drives[first->index].name, .bus = {}, .kind = first->kind};
   }
   return memory;
 }

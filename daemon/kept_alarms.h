@@ -42,6 +42,7 @@ class KeptAlarms final : public process::Observer {
   };
   using OfDrive = std::array<Activation, alarms::kAlarmKinds.size()>;
 
+  void restore_first(const alarms::NamedFault& first);
   [[nodiscard]] alarms::AlarmMemory snapshot() const;
   void note(const alarms::Alarm& alarm, Activation& before);
 

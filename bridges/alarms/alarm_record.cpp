@@ -73,8 +73,7 @@ bool AlarmRecord::set_first(bool first, canopen::WallTime now) {
     return false;
   }
   alarm_.ts = now;
-}
-return true;
+  return true;
 }
 
 bool AlarmRecord::show(bool active, std::string reason, std::string text, config::Severity severity,

@@ -12,12 +12,6 @@ using canopen::DataType;
 using canopen::Raw;
 using canopen::Result;
 
-bool is_absent(const canopen::Error& error) noexcept {
-  constexpr std::uint32_t kNoObject = 0x06020000;  // CiA 301 table 22
-  constexpr std::uint32_t kNoSubIndex = 0x06090011;
-  return error.kind == canopen::ErrorKind::refused && (error.abort == kNoObject || error.abort == kNoSubIndex);
-}
-
 }  // namespace
 
 boost::asio::awaitable<ErrorCheck> check_error_register(canopen::RemoteNode& node) {

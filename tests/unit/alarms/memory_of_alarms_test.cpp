@@ -150,7 +150,7 @@ TEST_F(MemoryOfAlarmsTest, DataIsKnownWhenAllCameOrSomethingIsMissing) {
   EXPECT_FALSE(alarm(AlarmKind::data).active);
   build();
   come_online();
-  alarms_->on_data_problems({"TPDO1 is overdue"}, wall_);
+  alarms_->on_data_problems({{DataReason::overdue, "TPDO1 is overdue"}}, wall_);
   EXPECT_TRUE(alarm(AlarmKind::data).known);
   EXPECT_TRUE(alarm(AlarmKind::data).active);
 }
