@@ -228,7 +228,7 @@ TEST_F(MemoryOfAlarmsTest, WhatIsStillTrueGoesOn) {
   status_ = {};
   alarms_->restore(AlarmKind::data, active("TPDO1 is overdue"));
   come_online();
-  alarms_->on_data_problems({"TPDO2 is overdue"}, wall_);
+  alarms_->on_data_problems({{DataReason::overdue, "TPDO2 is overdue"}}, wall_);
   expect_goes_on(AlarmKind::data);
   alarms_->on_data_problems({}, wall_);
   expect_ended(AlarmKind::data);

@@ -139,8 +139,8 @@ TEST_P(Restarts, InEveryOrderEveryAlarmIsTrueThreeSecondsAfterTheLast) {
 INSTANTIATE_TEST_SUITE_P(AllSystems, Restarts,
                          ::testing::Values(Kind{"veichi-ac300", 0x0005, 0x0006}, Kind{"veichi-ac310", 0x0005, 0x0006},
                                            Kind{"invt-goodrive600", 4, 5}, Kind{"vacon-opte6", 1, 2}),
-                         [](const auto& info) {
-                           std::string name = info.param.profile;
+                         [](const auto& test) {
+                           std::string name = test.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
