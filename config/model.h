@@ -19,7 +19,7 @@ using canopen::Duration;
 
 struct Gateway {
   std::string name;                                      ///< [A-Za-z0-9_-]{1,32}
-  std::string state_dir = "/var/lib/canopen-gateway";    ///< Absolute. Alarms, journal, records.
+  std::string state_dir = "/var/lib/canopen-gateway";    ///< Absolute. Alarms, journal, records. Empty: none.
   std::string control = "/run/canopen-gateway/control";  ///< Absolute, at most 107 bytes; empty: no control socket.
   std::uint64_t journal = 50'000'000;                    ///< Bytes that the journal of commands may take.
   friend bool operator==(const Gateway&, const Gateway&) = default;

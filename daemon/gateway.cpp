@@ -61,6 +61,12 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     plant_.drive(i).set_journal(journal_.get());
   }
   plant_.add(event_log_);
+  if (model.gateway.state_dir.empty()) {
+    spdlog::warn("state_dir is empty: alarms and commands are not kept over a restart");
+  } else {
+    kept_alarms_ = std::make_unique<KeptAlarms>(executor, plant_);
+    plant_.add(*kept_alarms_);
+  }
   if (model.modbus) {
     modbus_ = std::make_unique<modbus::Server>(executor, plant_, *model.modbus);
     plant_.add(*modbus_);
@@ -106,6 +112,9 @@ std::vector<process::Plant::BusPort> Gateway::ports(const std::vector<BusInUse>&
 }
 
 void Gateway::start() {
+  if (kept_alarms_) {
+    kept_alarms_->restore();
+  }
   if (journal_) {
     journal_->start();
   }
@@ -146,6 +155,9 @@ boost::asio::awaitable<void> Gateway::stop() {
   }
   for (BusInUse& in_use : buses_) {
     co_await in_use.bus->stop();
+  }
+  if (kept_alarms_) {
+    co_await kept_alarms_->stop();
   }
   if (journal_) {
     co_await journal_->stop();

@@ -17,6 +17,7 @@
 #include "config/model.h"
 #include "daemon/control/server.h"
 #include "daemon/event_log.h"
+#include "daemon/kept_alarms.h"
 
 namespace gateway {
 
@@ -55,6 +56,7 @@ class Gateway {
   std::vector<BusInUse> buses_;
   process::Plant plant_;
   EventLog event_log_;
+  std::unique_ptr<KeptAlarms> kept_alarms_;  ///< None where there is no state directory.
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
   std::unique_ptr<control::Server> control_;

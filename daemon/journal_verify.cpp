@@ -41,6 +41,10 @@ int verify_journal(const Options& options) {
   if (!model) {
     return kConfigurationError;
   }
+  if (model->gateway.state_dir.empty()) {
+    complain("gateway.state_dir is empty: there is no journal");
+    return kFailed;
+  }
   const std::filesystem::path directory = journal_place(model->gateway).directory;
   std::error_code failure;
   const journal::Report report = journal::verify(directory, failure);

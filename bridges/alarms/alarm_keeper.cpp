@@ -62,7 +62,7 @@ AlarmMemory AlarmKeeper::load() {
   if (result.failure && result.usable) {
     told_(*result.failure);
   } else if (result.failure) {
-    trouble_.stands(*result.failure + "; alarms are not kept", Clock::now());
+    trouble_.stands(*result.failure + "; alarms are not kept meanwhile", Clock::now());
   }
   return std::move(result.memory);
 }

@@ -58,7 +58,9 @@ void DriveAlarms::restore(AlarmKind kind, const Alarm& before) {
   if (kind == AlarmKind::control && before.active) {
     decided_.reset(static_cast<std::size_t>(kind));
   }
-  changed_(kind);
+  if (before.active) {
+    changed_(kind);
+  }
 }
 
 void DriveAlarms::on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall) {

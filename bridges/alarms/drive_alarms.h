@@ -34,7 +34,8 @@ class DriveAlarms {
   /// `model` outlives it.
   DriveAlarms(const config::Drive& model, Changed changed, const NewId& new_id = random_id);
 
-  /// As it was before our start. Before all else; nothing for a drive that is out of service.
+  /// As it was before our start. Before all else; nothing for a drive that is out of service. What was over is not
+  /// told.
   void restore(AlarmKind kind, const Alarm& before);
 
   void on_emcy(const canopen::Emcy& emcy, canopen::TimePoint at, canopen::WallTime wall);

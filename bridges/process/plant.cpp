@@ -98,6 +98,9 @@ std::size_t Plant::with_alarm() const noexcept {
 
 void Plant::restore_bus_alarm(std::size_t bus, const alarms::Alarm& before) {
   body_->lines[bus].alarm.restore(before);
+  if (!before.active) {
+    return;
+  }
   for (Observer* observer : body_->observers) {
     observer->on_bus_alarm(bus);
   }

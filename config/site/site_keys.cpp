@@ -51,8 +51,8 @@ const SectionOf<Gateway>& gateway_section() {
   static const SectionOf<Gateway> section(
       "[gateway]",
       {Field("name", &Gateway::name, name(), "Second part of every topic.").unset("the host's name"),
-       Field("state_dir", &Gateway::state_dir, absolute_path({}),
-             "Directory of what outlives the process: the journal of commands."),
+       Field("state_dir", &Gateway::state_dir, absolute_path({.may_be_empty = true}),
+             "Directory of what outlives the process: alarms, the journal of commands; empty: nothing does."),
        Field("control", &Gateway::control,
              absolute_path(
                  {.longest = kLongestSocket, .why_no_longer = " in the address of a socket", .may_be_empty = true}),
