@@ -44,7 +44,6 @@ class Broker {
   /// `events` outlives the broker's stop().
   virtual void start(BrokerEvents& events) = 0;
   virtual void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) = 0;
-  virtual void unsubscribe(ConnectionId connection, std::vector<std::string> filters) = 0;
   /// Keeps the messages until they can leave. While nothing can, the newest per topic.
   virtual void publish(std::vector<Message> batch) = 0;
   /// What was published may leave on this connection. Each new connection begins closed.

@@ -127,10 +127,6 @@ class Connection::Body final : private callback {
     }
   }
 
-  void unsubscribe(const std::vector<std::string>& filters) {
-    client_.unsubscribe(std::make_shared<string_collection>(filters));
-  }
-
   void disconnect(std::chrono::milliseconds patience, bool say_will) {
     if (say_will) {
       // QoS 0 waits for no acknowledgement of others. Where not even this leaves, neither does the goodbye, and the
@@ -250,15 +246,6 @@ Connection::Sent Connection::publish(Message message, InFlight& in_flight) {
 bool Connection::subscribe(const std::vector<Subscription>& subscriptions) {
   try {
     body_->subscribe(subscriptions);
-    return true;
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
-bool Connection::unsubscribe(const std::vector<std::string>& filters) {
-  try {
-    body_->unsubscribe(filters);
     return true;
   } catch (const std::exception&) {
     return false;

@@ -84,7 +84,6 @@ class Connection {
   /// Fills `in_flight`, which stays in its place until on_sent() names it or the connection is gone.
   [[nodiscard]] Sent publish(Message message, InFlight& in_flight);
   [[nodiscard]] bool subscribe(const std::vector<Subscription>& subscriptions);
-  [[nodiscard]] bool unsubscribe(const std::vector<std::string>& filters);
   /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
   /// for it, and never leaves without a goodbye).
   void disconnect(std::chrono::milliseconds patience, bool say_will);

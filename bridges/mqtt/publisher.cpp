@@ -31,11 +31,7 @@ void Publisher::start(BrokerEvents& events) {
 }
 
 void Publisher::subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) {
-  worker_->traffic().order(connection, std::move(subscriptions));
-}
-
-void Publisher::unsubscribe(ConnectionId connection, std::vector<std::string> filters) {
-  worker_->traffic().order(connection, std::move(filters));
+  worker_->traffic().subscribe(connection, std::move(subscriptions));
 }
 
 void Publisher::publish(std::vector<Message> batch) {

@@ -29,9 +29,9 @@ void Traffic::publish(std::vector<Message> batch) {
   wake_.notify_one();
 }
 
-void Traffic::order(ConnectionId connection, Order order) {
+void Traffic::subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) {
   const std::lock_guard lock(mutex_);
-  orders_.push_back({connection, std::move(order)});
+  orders_.push_back({connection, std::move(subscriptions)});
   wake_.notify_one();
 }
 
@@ -90,7 +90,7 @@ Traffic::Work Traffic::await_work() {
   }
   for (Ordered& ordered : orders_) {
     if (ordered.connection == connection_) {
-      work.orders.push_back(std::move(ordered.order));
+      work.subscriptions.push_back(std::move(ordered.subscriptions));
     }
   }
   orders_.clear();

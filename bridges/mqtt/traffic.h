@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "bridges/mqtt/broker.h"
@@ -25,12 +24,11 @@ namespace mqtt {
 class Traffic final : public ConnectionEvents {
  public:
   using Clock = std::chrono::steady_clock;
-  using Order = std::variant<std::vector<Subscription>, std::vector<std::string>>;  ///< Subscribe, unsubscribe.
 
   /// What the publisher's thread has to do next.
   struct Work {
     std::optional<std::string> over;  ///< The connection is of no more use: why.
-    std::vector<Order> orders;
+    std::vector<std::vector<Subscription>> subscriptions;
     std::vector<std::pair<Message, InFlight*>> messages;
     bool farewell = false;  ///< Everything at the end was said, or cannot be said.
     bool all_said = false;  ///< With farewell: the last words have arrived.
@@ -41,7 +39,7 @@ class Traffic final : public ConnectionEvents {
 
   // From the loop.
   void publish(std::vector<Message> batch);
-  void order(ConnectionId connection, Order order);
+  void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions);
   void open(ConnectionId connection);
   /// Only the newest of each topic and `last` are still sent, for as long as `patience`. Without last words the broker
   /// is made to publish the will.
@@ -74,7 +72,7 @@ class Traffic final : public ConnectionEvents {
   enum class Link : std::uint8_t { none, connecting, up, refused, down };
   struct Ordered {
     ConnectionId connection;
-    Order order;
+    std::vector<Subscription> subscriptions;
   };
 
   [[nodiscard]] bool sends() const;

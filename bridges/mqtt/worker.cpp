@@ -154,11 +154,8 @@ std::string Worker::serve() {
 }
 
 bool Worker::send(Traffic::Work& work) {
-  for (const Traffic::Order& order : work.orders) {
-    const auto* subscriptions = std::get_if<std::vector<Subscription>>(&order);
-    const bool given = subscriptions != nullptr ? connection_->subscribe(*subscriptions)
-                                                : connection_->unsubscribe(std::get<std::vector<std::string>>(order));
-    if (!given) {
+  for (const std::vector<Subscription>& subscriptions : work.subscriptions) {
+    if (!connection_->subscribe(subscriptions)) {
       return false;
     }
   }

@@ -20,7 +20,6 @@ class FakeBroker final : public Broker {
     subscribed_on = connection;
     subscribed = std::move(subscriptions);
   }
-  void unsubscribe(ConnectionId, std::vector<std::string> filters) override { unsubscribed = std::move(filters); }
   void publish(std::vector<Message> batch) override {
     ++batches;
     for (Message& message : batch) {
@@ -65,7 +64,6 @@ class FakeBroker final : public Broker {
   BrokerEvents* events = nullptr;
   ConnectionId subscribed_on = 0;
   std::vector<Subscription> subscribed;
-  std::vector<std::string> unsubscribed;
   std::vector<Message> published;
   std::map<std::string, std::string> retained;
   std::size_t batches = 0;

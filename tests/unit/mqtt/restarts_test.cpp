@@ -1,5 +1,5 @@
-// Gateway, broker and drive go and come back in every order, while the drive's fault comes, goes, stays or becomes another
-// one: three seconds after the last one is back every alarm is true.
+// Gateway, broker and drive go and come back in every order, while the drive's fault comes, goes, stays or becomes
+// another one: three seconds after the last one is back every alarm is true.
 
 #include <gtest/gtest.h>
 
@@ -25,6 +25,7 @@ struct Kind {
   std::string profile;
   std::uint16_t fault;
   std::uint16_t other;
+  bool has_fault_code = false;  ///< Else only an emergency that is heard names the fault.
 };
 
 struct Change {
@@ -79,14 +80,15 @@ class Restarts : public ::testing::TestWithParam<Kind> {
     return std::string(alarm.at("text").as_string());
   }
 
-  static void expect_truth(const RestartSite& site, const std::optional<std::string>& name, const std::string& what) {
+  static void expect_truth(const RestartSite& site, bool named, const std::optional<std::string>& name,
+                           const std::string& what) {
     const std::string text = site.retained("pump1/alarm/emcy");
     const json::value alarm = parsed(text);
     ASSERT_TRUE(alarm.is_object()) << what;
     EXPECT_EQ(alarm.at("active").as_bool(), name.has_value()) << what << ": " << text;
     EXPECT_TRUE(alarm.at("confirmed").as_bool()) << what << ": " << text;
-    if (name) {
-      EXPECT_EQ(alarm.at("text").as_string(), *name) << what << ": " << text;
+    if (name && named) {
+      EXPECT_EQ(std::string(alarm.at("text").as_string()), *name) << what << ": " << text;
     }
     for (const std::string other : {"heartbeat", "boot", "data", "control"}) {
       const std::string held = site.retained("pump1/alarm/" + other);
@@ -118,7 +120,8 @@ class Restarts : public ::testing::TestWithParam<Kind> {
       start(site, who);
     }
     site.run(3s);
-    expect_truth(site, change.after ? std::optional(names.at(change.same ? 0 : 1)) : std::nullopt, what);
+    const bool named = kind_.has_fault_code || order.find('g') == std::string::npos;
+    expect_truth(site, named, change.after ? std::optional(names.at(change.same ? 0 : 1)) : std::nullopt, what);
   }
 
   const Kind kind_ = GetParam();
@@ -137,8 +140,9 @@ TEST_P(Restarts, InEveryOrderEveryAlarmIsTrueThreeSecondsAfterTheLast) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllSystems, Restarts,
-                         ::testing::Values(Kind{"veichi-ac300", 0x0005, 0x0006}, Kind{"veichi-ac310", 0x0005, 0x0006},
-                                           Kind{"invt-goodrive600", 4, 5}, Kind{"vacon-opte6", 1, 2}),
+                         ::testing::Values(Kind{"veichi-ac300", 0x0005, 0x0006, true},
+                                           Kind{"veichi-ac310", 0x0005, 0x0006, true}, Kind{"invt-goodrive600", 4, 5},
+                                           Kind{"vacon-opte6", 1, 2}),
                          [](const auto& test) {
                            std::string name = test.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');
