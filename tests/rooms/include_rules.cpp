@@ -24,6 +24,7 @@ constexpr std::array<std::string_view, 7> kConfig{
     "canopen/clock.h",        "canopen/bus/echo.h",           "canopen/node/emcy.h",
     "canopen/error.h",        "canopen/node/node_settings.h", "canopen/object.h",
     "canopen/bus/wire_bits.h"};
+// A thread that waits for the disk, and how times and texts are written: they know nothing of the field.
 constexpr std::array<std::string_view, 1> kDisk{"canopen/clock.h"};
 constexpr std::array<std::string_view, 2> kText{"canopen/clock.h", "canopen/hex.h"};
 // Which errors are active and what they are called: plain values in and out. What is kept of them waits for a disk.
@@ -33,7 +34,7 @@ constexpr std::array<std::string_view, 10> kAlarms{
     "canopen/node/emcy.h",    "canopen/hex.h",   "canopen/node/node_events.h",
     "canopen/bus/bus_state.h"};
 // The remote drive, what its interface is made of, and how a coroutine waits; never frames or links.
-constexpr std::array<std::string_view, 18> kProcess{"bridges/text/",
+constexpr std::array<std::string_view, 19> kProcess{"bridges/text/",
                                                     "bridges/alarms/",
                                                     "config/model.h",
                                                     "config/text.h",
@@ -42,6 +43,7 @@ constexpr std::array<std::string_view, 18> kProcess{"bridges/text/",
                                                     "canopen/node/remote_node.h",
                                                     "canopen/node/node_events.h",
                                                     "canopen/node/node_settings.h",
+                                                    "canopen/sdo/stop_limit.h",
                                                     "canopen/object.h",
                                                     "canopen/error.h",
                                                     "canopen/clock.h",

@@ -178,7 +178,6 @@ TEST_F(MemoryOfAlarmsTest, EachKindIsShownAsItWasUntilDecided) {
   EXPECT_EQ(told_, std::vector<AlarmKind>(kAlarmKinds.begin(), kAlarmKinds.end()));
   EXPECT_TRUE(alarms_->any(Severity::fault));
   boot_up();
-  alarms_->on_data_problems({}, wall_);
   alarms_->on_control(std::nullopt, wall_);
   for (const AlarmKind kind : kAlarmKinds) {
     expect_as_it_was(kind, active("text"));
