@@ -11,11 +11,8 @@ namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
+using test::contains;
 using test::PlantSite;
-
-bool contains(const std::string& text, std::string_view part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST(AbsentObject, IsNullAndNobodyWaitsForIt) {
   PlantSite site;

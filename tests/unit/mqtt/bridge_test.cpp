@@ -13,11 +13,8 @@ namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
+using test::contains;
 using test::PlantSite;
-
-bool contains(const std::string& text, std::string_view part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST(MqttBridge, AnnouncesEverythingAndOnlineLast) {
   PlantSite site;

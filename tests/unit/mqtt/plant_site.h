@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,10 @@
 #include "tests/unit/mqtt/site.h"
 
 namespace mqtt::test {
+
+[[nodiscard]] inline bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
 
 /// A plant with one puppet drive and the MQTT bridge on a broker that the test plays; time moved by hand.
 class PlantSite {

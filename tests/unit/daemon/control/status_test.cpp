@@ -6,20 +6,21 @@ namespace gateway::control {
 namespace {
 
 TEST(ControlStatusTable, ShowsDrivesAndBelowWhatIsWrong) {
-  const std::string status = R"({"ts":"2026-01-02T03:04:05.678Z","gateway":"line3","version":"0.1.0","uptime":12.3,)"
-                             R"("buses":[{"name":"can0","up":true,"state":"error-active","load":27.3},)"
-                             R"({"name":"can1","up":false,"state":"down","load":null}],)"
-                             R"("drives":[{"name":"pump1","bus":"can0","node":5,"online":true,"nmt":"operational",)"
-                             R"("boot":"ok","boot_text":"","heartbeat_age":0.2,"fresh":true,)"
-                             R"("values":{"running":true,"output_frequency":39.20},)"
-                             R"("commanded":{"frequency_command":39.20,"control_command":"forward"},)"
-                             R"("control":{"holder":"modbus 192.0.2.7","timeout":false},"alarms":[]},)"
-                             R"({"name":"fan1","bus":"can1","node":103,"online":false,"nmt":"unknown","boot":"B",)"
-                             R"("boot_text":"no SDO answer","heartbeat_age":null,"fresh":false,"values":{},)"
-                             R"("commanded":{},"control":{"holder":null},"alarms":[{"kind":"heartbeat",)"
-                             R"("code":"0x0000","reason":"lost","text":"it is gone","since":"2026-01-02T03:04:05.678Z","first":true},)"
-                             R"({"kind":"emcy","code":"0x0005","reason":"","text":"Overcurrent",)"
-                             R"("since":"2026-01-02T03:04:06.000Z","first":false}]}]})";
+  const std::string status =
+      R"({"ts":"2026-01-02T03:04:05.678Z","gateway":"line3","version":"0.1.0","uptime":12.3,)"
+      R"("buses":[{"name":"can0","up":true,"state":"error-active","load":27.3},)"
+      R"({"name":"can1","up":false,"state":"down","load":null}],)"
+      R"("drives":[{"name":"pump1","bus":"can0","node":5,"online":true,"nmt":"operational",)"
+      R"("boot":"ok","boot_text":"","heartbeat_age":0.2,"fresh":true,)"
+      R"("values":{"running":true,"output_frequency":39.20},)"
+      R"("commanded":{"frequency_command":39.20,"control_command":"forward"},)"
+      R"("control":{"holder":"modbus 192.0.2.7","timeout":false},"alarms":[]},)"
+      R"({"name":"fan1","bus":"can1","node":103,"online":false,"nmt":"unknown","boot":"B",)"
+      R"("boot_text":"no SDO answer","heartbeat_age":null,"fresh":false,"values":{},)"
+      R"("commanded":{},"control":{"holder":null},"alarms":[{"kind":"heartbeat",)"
+      R"("code":"0x0000","reason":"lost","text":"it is gone","since":"2026-01-02T03:04:05.678Z","first":true},)"
+      R"({"kind":"emcy","code":"0x0005","reason":"","text":"Overcurrent",)"
+      R"("since":"2026-01-02T03:04:06.000Z","first":false}]}]})";
   EXPECT_EQ(status_table(status),
             "gateway line3 0.1.0, up 12.3 s\n"
             "bus can0  error-active  load 27.3 %\n"
