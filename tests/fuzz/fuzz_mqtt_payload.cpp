@@ -53,7 +53,7 @@ void topics(std::string_view text) {
   (void)topics.route(text);
   const std::string below = "canopen/line3/" + std::string(text);
   if (const auto route = topics.route(below)) {
-    require(route->kind == mqtt::Route::Kind::alarm || topics.refused_as_response(below));
+    require(route->kind == mqtt::Route::Kind::watched || topics.refused_as_response(below));
   }
 }
 
