@@ -52,12 +52,18 @@ AlarmLog::AlarmLog(const boost::asio::any_io_executor& executor, const process::
       next_(executor, [this] { tell_due(); }) {}
 
 void AlarmLog::on_alarm(const process::Drive& drive, AlarmKind kind) {
-  if (const Alarm& alarm = drive.alarm(kind); alarm.known && !alarm.id.empty()) {
-    note(drive.index() * kKinds + static_cast<std::size_t>(kind));
+  const std::size_t subject = drive.index() * kKinds + static_cast<std::size_t>(kind);
+  const Alarm& alarm = drive.alarm(kind);
+  // What was over before our start is no news when it is decided.
+  if (alarm.known && !alarm.id.empty() && (alarm.active || !subjects_[subject].line.empty())) {
+    note(subject);
   }
 }
 
 void AlarmLog::on_bus(std::size_t bus) {
+  if (!plant_.bus_alarm(bus).confirmed) {
+    return;  // From memory: the bus has not told its state yet.
+  }
   note(plant_.model().drives.size() * kKinds + bus);
 }
 

@@ -48,6 +48,7 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
     alarm_.severity = error.severity;
     alarm_.vendor = error.vendor;
     alarm_.reason = std::move(reason);
+    alarm_.first = alarm_.first && alarm_.severity == config::Severity::fault;  // A warning is never first.
   }
   if (alarm_.active && !before.active) {
     ++alarm_.count;

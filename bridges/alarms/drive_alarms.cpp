@@ -9,9 +9,9 @@
 namespace alarms {
 namespace {
 
+/// Arrived, missing, or found not to be bootable. A text without a letter tells of a search that goes on.
 bool tells_its_state(const canopen::NodeStatus& status) {
-  return status.online || status.lost || status.boot_result != canopen::BootResult::not_booted ||
-         !status.boot_text.empty();
+  return status.online || status.lost || status.boot_result != canopen::BootResult::not_booted;
 }
 
 // Of the drive, not of a life of it: they stand until somebody looks again.
@@ -97,7 +97,7 @@ void DriveAlarms::on_fault_code(std::uint64_t code, canopen::WallTime wall) {
 }
 
 void DriveAlarms::on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall) {
-  asked_ = true;
+  asked_ = asked_ || readings.error_register || readings.register_absent || !model_.faults.has_error_register;
   if (readings.error_register) {
     decide(AlarmKind::emcy);
   }
@@ -118,6 +118,12 @@ void DriveAlarms::decide_emcy_if_asked() noexcept {
   const bool has_bits = model_.faults.fault.has_value() || model_.faults.warning.has_value();
   if (asked_ && (bit_told_ || !has_bits)) {
     decide(AlarmKind::emcy);
+  }
+}
+
+void DriveAlarms::on_boot_up(canopen::TimePoint at, canopen::WallTime wall) {
+  if (errors_.on_boot_up(at)) {
+    show_emcy(wall, at);
   }
 }
 
@@ -175,8 +181,6 @@ void DriveAlarms::end_control(canopen::WallTime wall) {
 }
 
 void DriveAlarms::on_settled(canopen::WallTime wall) {
-  decide(AlarmKind::data);
-  show_data(wall);
   bit_told_ = true;  // As far as it ever will.
   decide_emcy_if_asked();
   show_emcy(wall);

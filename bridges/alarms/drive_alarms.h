@@ -59,6 +59,8 @@ class DriveAlarms {
   void on_readings(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
   /// 0x1001 alone, which raises nothing.
   void on_error_register(const ErrorReadings& readings, canopen::TimePoint at, canopen::WallTime wall);
+  /// The drive's boot-up message came.
+  void on_boot_up(canopen::TimePoint at, canopen::WallTime wall);
   /// Heartbeat and boot alarms, and whether the emergencies are confirmed.
   void on_status(const canopen::NodeStatus& status, canopen::WallTime wall);
   /// What is wrong with values and emergencies; none: nothing. The first one gives the reason. Not to be called before
@@ -77,8 +79,6 @@ class DriveAlarms {
 
   [[nodiscard]] const Alarm& alarm(AlarmKind kind) const noexcept;
   [[nodiscard]] const ErrorList& error_list() const noexcept { return errors_; }
-  /// An error is undecided: 0x1001 is to be read (see register_watch.h).
-  [[nodiscard]] bool undecided() const noexcept { return errors_.undecided_since().has_value(); }
   /// An error of this severity is active.
   [[nodiscard]] bool any(config::Severity severity) const noexcept;
 

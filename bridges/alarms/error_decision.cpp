@@ -19,6 +19,12 @@ bool is_explained(const ErrorFacts& facts) noexcept {
   return facts.other_communication && (facts.error_register.value & ~kCommunicationBits) == 0;
 }
 
+/// A drive that boots is free of errors (CiA 301 §7.2.7.1, transition 0) and tells anew of those it has. That has to do
+/// where nothing else can tell the end.
+bool is_forgotten(const ErrorFacts& facts) noexcept {
+  return facts.before_boot_up && (facts.signal == ErrorSignal::none || !signal_may_end(facts));
+}
+
 }  // namespace
 
 bool is_all_clear(const ErrorReset& reset) noexcept {
@@ -40,7 +46,7 @@ ErrorVerdict decide(const ErrorFacts& facts) noexcept {
   switch (facts.error_register.state) {
     case Register::absent:
     case Register::independent:
-      return told ? ErrorVerdict::over : ErrorVerdict::active;
+      return told || is_forgotten(facts) ? ErrorVerdict::over : ErrorVerdict::active;
     case Register::read:
       if (facts.error_register.value == 0 || (told && is_explained(facts))) {
         return ErrorVerdict::over;

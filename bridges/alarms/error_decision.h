@@ -49,6 +49,7 @@ struct ErrorFacts {
   bool seen_set = false;             ///< The signal was received set after the error was told.
   bool clear_three_periods = false;  ///< The signal stayed clear for three periods since.
   RegisterWitness error_register;
+  bool before_boot_up = false;       ///< Told before the drive's last boot-up message.
   bool other_communication = false;  ///< Another error is active that is a communication error.
 };
 

@@ -27,6 +27,7 @@ struct ErrorEntry {
   bool clear_three_periods = false;
   std::optional<std::uint8_t> error_register{};  ///< 0x1001, asked for after `counts_from`.
   canopen::TimePoint counts_from = canopen::TimePoint::min();
+  bool before_boot_up = false;
   ErrorVerdict verdict = ErrorVerdict::active;
   canopen::TimePoint undecided_since = canopen::TimePoint::min();
 };

@@ -23,6 +23,16 @@ void read_again_after(ErrorEntry& entry, TimePoint at) {
   entry.verdict = ErrorVerdict::active;  // Undecided anew, so that it is asked for soon.
 }
 
+/// Within it an emergency is that of a signal that was seen before it; later it is another error, unless it has the
+/// same number. A drive's fault code may still be that of the last fault when its signal comes.
+constexpr Duration kFollows = std::chrono::seconds(2);
+
+bool is_name_of(const ErrorEntry& emergency, const ErrorEntry& told_by_signal) noexcept {
+  const std::uint64_t number = told_by_signal.drive_code.value_or(0);
+  return emergency.at - told_by_signal.at <= kFollows ||
+         (number != 0 && (emergency.drive_code == number || emergency.error.code == number));
+}
+
 }  // namespace
 
 ErrorList::ErrorList(const config::Drive& model) : model_(model), names_(model, signals_) {}
@@ -66,7 +76,8 @@ void ErrorList::add(const canopen::Emcy& emcy, TimePoint at, WallTime wall) {
   }
   // The signal came first and this is its name.
   std::erase_if(entries_, [&](const ErrorEntry& old) {
-    const bool replaced = old.source == ErrorSource::signal && old.error.severity == named.severity;
+    const bool replaced =
+        old.source == ErrorSource::signal && old.error.severity == named.severity && is_name_of(entry, old);
     if (replaced) {
       entry.error.since = old.error.since;
       entry.at = old.at;
@@ -232,6 +243,13 @@ void ErrorList::raise_from_readings(const ErrorReadings& readings, TimePoint at,
   }
 }
 
+bool ErrorList::on_boot_up(TimePoint at) {
+  for (ErrorEntry& entry : entries_) {
+    entry.before_boot_up = true;
+  }
+  return judge(at);
+}
+
 bool ErrorList::on_online(bool online) {
   if (std::exchange(online_, online) == online) {
     return false;
@@ -248,6 +266,7 @@ bool ErrorList::on_online(bool online) {
     entry.clear_three_periods = false;
     entry.error_register.reset();
     entry.from_before = true;
+    entry.verdict = ErrorVerdict::active;  // Its minute of frequent readings begins with its return.
   }
   return true;
 }

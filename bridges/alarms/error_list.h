@@ -50,6 +50,8 @@ class ErrorList {
   /// 0x1001 alone: it can end errors and raises none.
   bool on_error_register(const ErrorReadings& readings, canopen::TimePoint at);
   bool on_online(bool online);
+  /// Its boot-up message came.
+  bool on_boot_up(canopen::TimePoint at);
   /// What was known before the gateway's start. Before anything else.
   void restore(const Alarm& before);
 
@@ -61,8 +63,6 @@ class ErrorList {
   [[nodiscard]] bool awaits_signal(config::Severity severity) const noexcept;
   /// When the last of those errors became undecided that only 0x1001 can decide; nothing: there are none.
   [[nodiscard]] std::optional<canopen::TimePoint> undecided_since() const noexcept;
-  /// Stamp of what told the newest active fault; min(): none was told since the gateway's start.
-  [[nodiscard]] canopen::TimePoint newest_fault() const noexcept;
   /// Grows with each emergency: what was asked for before and answered after one is out of date.
   [[nodiscard]] std::uint32_t received() const noexcept { return received_; }
 

@@ -51,6 +51,7 @@ ErrorFacts ErrorList::facts_of(const ErrorEntry& entry) const noexcept {
           .seen_set = entry.seen_set,
           .clear_three_periods = entry.clear_three_periods,
           .error_register = witness(entry),
+          .before_boot_up = entry.before_boot_up,
           .other_communication = other};
 }
 
@@ -82,14 +83,6 @@ std::optional<TimePoint> ErrorList::undecided_since() const noexcept {
     }
   }
   return since;
-}
-
-TimePoint ErrorList::newest_fault() const noexcept {
-  TimePoint newest = TimePoint::min();
-  for (const ErrorEntry& entry : entries_) {
-    newest = entry.error.severity == Severity::fault ? std::max(newest, entry.at) : newest;
-  }
-  return newest;
 }
 
 }  // namespace alarms

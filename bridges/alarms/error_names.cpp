@@ -109,7 +109,10 @@ bool ErrorNames::claim(Severity severity, ErrorEntries& entries) const noexcept 
   for (ErrorEntry& entry : entries) {
     const bool its_own = entry.tabled == severity && !needed_as_fault;
     const bool never_shown = signals_.is_clear(other) && !entry.seen_set;
-    if (entry.source == ErrorSource::emergency && (its_own || never_shown)) {
+    // 0x1001 does not tell which it is either, and may have been read before any signal came.
+    const bool by_table = entry.source == ErrorSource::emergency && its_own;
+    const bool unsure = entry.source == ErrorSource::emergency || entry.source == ErrorSource::error_register;
+    if (by_table || (unsure && never_shown)) {
       entry.error.severity = severity;
       any = true;
     }

@@ -98,6 +98,7 @@ void Drive::on_boot_up() {
   had_fault_emcy_ = false;
   commands_.on_boot_up();
   inputs_.on_boot_up();
+  alarms_.on_boot_up(canopen::Clock::now(), canopen::wall_now());
 }
 
 void Drive::on_arrival(canopen::Arrival arrival) {

@@ -76,7 +76,10 @@ void Inputs::on_read(const ReadJob& job, const canopen::Result<canopen::Raw>& an
       break;
   }
   update_problem(job.source);
-  note_looked_at(job.source);
+  // No answer is no proof of anything.
+  if (answer.has_value() || answer.error().kind == canopen::ErrorKind::refused) {
+    note_looked_at(job.source);
+  }
 }
 
 void Inputs::on_round_complete(SourceId source, TimePoint at, canopen::WallTime wall) {

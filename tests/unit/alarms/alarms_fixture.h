@@ -42,6 +42,8 @@ class AlarmsTest : public ::testing::Test {
     status_.lost = lost;
     alarms_->on_status(status_, wall_);
   }
+  /// 0x1001 is to be read.
+  [[nodiscard]] bool undecided() const { return alarms_->error_list().undecided_since().has_value(); }
   void pass(Duration time) {
     now_ += time;
     wall_ += time;

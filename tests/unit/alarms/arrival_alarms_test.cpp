@@ -116,7 +116,7 @@ TEST_F(AlarmsTest, RestoredAlarmThatIsOverGoesAtArrival) {
     fault(false);
     pass(100ms);
   }
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   reads(0x00);
   EXPECT_FALSE(emcy_alarm().active);
   EXPECT_EQ(emcy_alarm().id, "old");

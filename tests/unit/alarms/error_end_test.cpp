@@ -56,15 +56,15 @@ TEST_F(AlarmsTest, BitClearsWhatItWasSeenToShow) {
   fault(true);
   pass(100ms);
   EXPECT_TRUE(emcy_alarm().active);
-  EXPECT_FALSE(alarms_->undecided());
+  EXPECT_FALSE(undecided());
   fault(false);
   EXPECT_TRUE(emcy_alarm().active);
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   reads(0x01);
   EXPECT_TRUE(emcy_alarm().active);
   reads(0x00);
   EXPECT_FALSE(emcy_alarm().active);
-  EXPECT_FALSE(alarms_->undecided());
+  EXPECT_FALSE(undecided());
 }
 
 TEST_F(AlarmsTest, ClearBitAloneTakesThreePeriods) {
@@ -75,11 +75,11 @@ TEST_F(AlarmsTest, ClearBitAloneTakesThreePeriods) {
   for (int i = 0; i < 3; ++i) {
     pass(100ms);
     fault(false);
-    EXPECT_FALSE(alarms_->undecided()) << i;
+    EXPECT_FALSE(undecided()) << i;
   }
   pass(100ms);
   fault(false);
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   reads(0x01);
   EXPECT_TRUE(emcy_alarm().active);
   reads(0x00);
@@ -102,10 +102,39 @@ TEST_F(AlarmsTest, WhereTheErrorRegisterDoesNotFollowTheBitAloneTellsTheEnd) {
   emcy(0x0005, 0x81);
   for (int i = 0; i < 4; ++i) {
     EXPECT_TRUE(emcy_alarm().active) << i;
-    EXPECT_FALSE(alarms_->undecided()) << "there is nothing to ask for";
+    EXPECT_FALSE(undecided()) << "there is nothing to ask for";
     pass(100ms);
     fault(false);
   }
+  EXPECT_FALSE(emcy_alarm().active);
+}
+
+TEST_F(AlarmsTest, ABootUpEndsWhatNothingElseCanTellTheEndOf) {
+  model_.node.emcy.layout = canopen::EmcyLayout::cia301;
+  build_without_following_register();
+  come_online();
+  emcy(0x8130, 0x11);
+  emcy(0x2310, 0x02);
+  go_offline();
+  alarms_->on_boot_up(now_, wall_);
+  EXPECT_EQ(codes(), (Codes{0x2310})) << "of that the signal will tell";
+  come_online();
+  emcy(0x8130, 0x11);
+  pass(1h);
+  fault(false);
+  EXPECT_TRUE(emcy_alarm().active) << "told anew";
+}
+
+TEST_F(AlarmsTest, ABootUpEndsNothingThatTheErrorRegisterTellsOf) {
+  model_.node.emcy.layout = canopen::EmcyLayout::cia301;
+  build();
+  come_online();
+  emcy(0x8130, 0x11);
+  go_offline();
+  alarms_->on_boot_up(now_, wall_);
+  EXPECT_TRUE(emcy_alarm().active);
+  come_online();
+  readings({.error_register = std::uint8_t{0}, .fault_code = {}, .history = {}});
   EXPECT_FALSE(emcy_alarm().active);
 }
 
@@ -143,13 +172,13 @@ TEST_F(AlarmsTest, ValueSeenSetBeforeTheEmergencyDoesNotCount) {
   emcy(0x0004);  // Again, newer than the bit.
   pass(10ms);
   fault(false);
-  EXPECT_FALSE(alarms_->undecided());
+  EXPECT_FALSE(undecided());
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(emcy_alarm().active) << i;
     pass(100ms);
     fault(false);
   }
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
 }
 
 TEST_F(AlarmsTest, ACommunicationErrorUnderACleanStatusWordStaysUntilTheErrorRegisterIsClear) {
@@ -163,7 +192,7 @@ TEST_F(AlarmsTest, ACommunicationErrorUnderACleanStatusWordStaysUntilTheErrorReg
     fault(false);
     reads(0x11);
     EXPECT_TRUE(emcy_alarm().active);
-    EXPECT_TRUE(alarms_->undecided());
+    EXPECT_TRUE(undecided());
   }
   reads(0x00);
   EXPECT_FALSE(emcy_alarm().active);
@@ -203,7 +232,7 @@ TEST_F(AlarmsTest, WithoutABitOnlyTheErrorRegisterOrAnEmergencyTellsTheEnd) {
   build();
   come_online();
   emcy(0x0004);
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   pass(24h);
   reads(0x01);
   EXPECT_TRUE(emcy_alarm().active);
@@ -217,11 +246,11 @@ TEST_F(AlarmsTest, ABitThatIsNotReceivedAnyMoreHoldsNothing) {
   fault(true);
   reads(0x00);
   EXPECT_TRUE(emcy_alarm().active);
-  EXPECT_FALSE(alarms_->undecided());
+  EXPECT_FALSE(undecided());
   pass(400ms);
   alarms_->on_stale_bit(Severity::fault, now_);
   EXPECT_TRUE(emcy_alarm().active);
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   reads(0x00);
   EXPECT_FALSE(emcy_alarm().active);
 }
@@ -231,9 +260,9 @@ TEST_F(AlarmsTest, NothingIsAskedForWhileTheDriveIsOffline) {
   build();
   come_online();
   emcy(0x0004);
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   go_offline();
-  EXPECT_FALSE(alarms_->undecided());
+  EXPECT_FALSE(undecided());
 }
 
 TEST_F(AlarmsTest, WarningBitClearsWarningsAndFaultBitFaults) {
@@ -278,7 +307,7 @@ TEST_F(AlarmsTest, ARestoredErrorStaysUndecidedUntilTheErrorRegisterAnswers) {
   alarms_->restore(AlarmKind::emcy, before);
   come_online();
   readings({});
-  EXPECT_TRUE(alarms_->undecided());
+  EXPECT_TRUE(undecided());
   EXPECT_FALSE(emcy_alarm().confirmed);
   reads(0x00);
   EXPECT_FALSE(emcy_alarm().active);

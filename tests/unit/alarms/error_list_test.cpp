@@ -63,22 +63,41 @@ TEST_F(AlarmsTest, NewestIsShownButAFaultBeforeAWarning) {
 
 // Section "When an error is over" of the manual, for errors that the status word does not show.
 
-TEST_F(AlarmsTest, TellsWhenTheNewestFaultWasTold) {
+TEST_F(AlarmsTest, AnEmergencyLongAfterTheSignalIsAnErrorOfItsOwn) {
   come_online();
-  EXPECT_EQ(alarms_->error_list().newest_fault(), TimePoint::min());
   fault(true);
-  const TimePoint told = now_;
-  pass(20ms);
+  pass(100ms);
   emcy(0x0004);
-  EXPECT_EQ(alarms_->error_list().newest_fault(), told) << "the same error: its bit came first";
-  pass(20ms);
-  emcy(0x0040);
-  EXPECT_EQ(alarms_->error_list().newest_fault(), told) << "a warning";
-  emcy(0x0005);
-  EXPECT_EQ(alarms_->error_list().newest_fault(), now_);
-  pass(20ms);
-  emcy(0x0005);
-  EXPECT_EQ(alarms_->error_list().newest_fault(), now_ - 20ms);
+  EXPECT_EQ(codes(), (Codes{4})) << "the name of what the signal told";
+  build();
+  come_online();
+  fault(true);
+  pass(1h);
+  fault(true);
+  emcy(0x0004);
+  EXPECT_EQ(emcy_alarm().errors.size(), 2U);
+  EXPECT_EQ(emcy_alarm().code, 4);
+}
+
+TEST_F(AlarmsTest, AWarningWhoseRegisterIsReadBeforeItsSignalComesIsNoFault) {
+  come_online();
+  readings({.error_register = std::uint8_t{1}, .fault_code = {}, .history = {}});
+  EXPECT_TRUE(alarms_->any(Severity::fault)) << "nobody knows better yet";
+  pass(10ms);
+  fault(false);
+  warning(true);
+  EXPECT_EQ(emcy_alarm().errors.size(), 1U);
+  EXPECT_EQ(emcy_alarm().severity, Severity::warning);
+}
+
+TEST_F(AlarmsTest, WhatTurnsOutToBeAWarningIsNotFirst) {
+  come_online();
+  readings({.error_register = std::uint8_t{1}, .fault_code = {}, .history = {}});
+  alarms_->set_first(AlarmKind::emcy, true, wall_);
+  EXPECT_TRUE(emcy_alarm().first);
+  fault(false);
+  warning(true);
+  EXPECT_FALSE(emcy_alarm().first);
 }
 
 TEST_F(AlarmsTest, BitStillSetAfterAResetIsNoNewAlarmForThreePeriods) {

@@ -41,7 +41,7 @@ class MemoryOfAlarmsTest : public AlarmsTest {
     EXPECT_EQ(alarm(kind).id, "old");
     EXPECT_EQ(alarm(kind).since, WallTime(5s));
     EXPECT_EQ(alarm(kind).count, 7U);
-    EXPECT_TRUE(alarm(kind).first);
+    EXPECT_EQ(alarm(kind).first, alarm(kind).severity == Severity::fault);
     EXPECT_TRUE(alarm(kind).confirmed);
   }
   void expect_ended(AlarmKind kind) {
@@ -113,7 +113,7 @@ TEST_F(MemoryOfAlarmsTest, WithoutMemoryAnArrivedDriveIsAskedForItsErrorsFirst) 
 
 TEST_F(MemoryOfAlarmsTest, WithoutErrorRegisterTheBitsTell) {
   come_online();
-  readings({});
+  readings({.register_absent = true});
   EXPECT_FALSE(emcy_alarm().known);
   fault(false);
   EXPECT_TRUE(emcy_alarm().known);
@@ -125,13 +125,13 @@ TEST_F(MemoryOfAlarmsTest, WithoutErrorRegisterAndBitsNothingIsWaitedFor) {
   build();
   come_online();
   EXPECT_FALSE(emcy_alarm().known);
-  readings({});
+  readings({.register_absent = true});
   EXPECT_TRUE(emcy_alarm().known);
 }
 
 TEST_F(MemoryOfAlarmsTest, ABitThatNeverComesIsNotWaitedForForever) {
   come_online();
-  readings({});
+  readings({.register_absent = true});
   settle();
   EXPECT_TRUE(emcy_alarm().known);
 }
@@ -145,7 +145,7 @@ TEST_F(MemoryOfAlarmsTest, WhatTheDriveTellsIsKnownAtOnce) {
 TEST_F(MemoryOfAlarmsTest, DataIsKnownWhenAllCameOrSomethingIsMissing) {
   come_online();
   EXPECT_FALSE(alarm(AlarmKind::data).known) << "TPDOs may be overdue in a moment";
-  settle();
+  alarms_->on_data_problems({}, wall_);
   EXPECT_TRUE(alarm(AlarmKind::data).known);
   EXPECT_FALSE(alarm(AlarmKind::data).active);
   build();
@@ -215,7 +215,7 @@ TEST_F(MemoryOfAlarmsTest, ADriveThatIsThereEndsWhatIsOver) {
   expect_ended(AlarmKind::heartbeat);
   expect_ended(AlarmKind::boot);
   expect_as_it_was(AlarmKind::data, active("TPDO1 is overdue"));
-  settle();
+  alarms_->on_data_problems({}, wall_);
   expect_ended(AlarmKind::data);
 }
 
