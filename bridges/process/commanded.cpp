@@ -90,15 +90,8 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
     value.counts =
         !outlived && (control_counts || !control) && !config::is_momentary(model_.signals[field.signal], field.raw);
     value.confirmed = now;
-    if (control && stopped_ > since) {
-      // The answer to an older command: the stop that came meanwhile may be confirmed already, by RPDO.
-      replace_repeated_control(stop_);
-    } else if (control) {
-      if (outlived && !may_go_on(field.raw)) {
-        replace_repeated_control(canopen::first_stop(model_.node.motor));
-      } else {
-        repeated_instead_.reset();
-      }
+    if (control) {
+      note_confirmed_control(field.raw, stopped_ > since, outlived);
     }
   }
   for (Rpdo& each : rpdos_) {
@@ -109,6 +102,17 @@ void Commanded::confirm(std::span<const Field> fields, std::uint16_t rpdo, Epoch
     for (const Field& field : fields) {
       note_repetition(field, each, mine);
     }
+  }
+}
+
+void Commanded::note_confirmed_control(canopen::Raw raw, bool before_stop, bool outlived) {
+  if (before_stop) {
+    // The answer to an older command: the stop that came meanwhile may be confirmed already, by RPDO.
+    replace_repeated_control(stop_);
+  } else if (outlived && !may_go_on(raw)) {
+    replace_repeated_control(canopen::first_stop(model_.node.motor));
+  } else {
+    repeated_instead_.reset();
   }
 }
 

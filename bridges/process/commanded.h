@@ -126,6 +126,8 @@ class Commanded {
   void note_repetition(const Field& field, Rpdo& rpdo, bool by_this_rpdo);
   /// What goes on being repeated after `control_command` became void.
   void replace_repeated_control(std::optional<canopen::Raw> stop);
+  /// A control command was confirmed that came before a stop, or was void meanwhile, or neither.
+  void note_confirmed_control(canopen::Raw raw, bool before_stop, bool outlived);
   [[nodiscard]] std::optional<canopen::Raw> control_held() const noexcept;
   /// It cannot start the motor, however often it is repeated.
   [[nodiscard]] bool may_go_on(canopen::Raw control) const noexcept;

@@ -175,7 +175,10 @@ std::vector<ActiveAlarm> Plant::active_alarms() const {
   std::vector<ActiveAlarm> active;
   const auto add = [&active](const ActiveAlarm& one) {
     if (one.alarm->known && one.alarm->active) {
-      active.push_back(one);
+      const auto later =
+          std::upper_bound(active.begin(), active.end(), one,
+                           [](const ActiveAlarm& a, const ActiveAlarm& b) { return a.alarm->since < b.alarm->since; });
+      active.insert(later, one);
     }
   };
   for (const auto& drive : body_->drives) {
@@ -186,8 +189,6 @@ std::vector<ActiveAlarm> Plant::active_alarms() const {
   for (std::size_t bus = 0; bus < body_->lines.size(); ++bus) {
     add({.bus = bus, .alarm = &bus_alarm(bus)});
   }
-  std::stable_sort(active.begin(), active.end(),
-                   [](const ActiveAlarm& a, const ActiveAlarm& b) { return a.alarm->since < b.alarm->since; });
   return active;
 }
 

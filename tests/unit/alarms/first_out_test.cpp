@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <random>
 #include <set>
 #include <utility>
@@ -14,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using canopen::TimePoint;
 
-constexpr TimePoint kStart{1h};
+constexpr TimePoint kFirstTime{1h};
 constexpr FaultSource kBus{.bus = true};
 
 constexpr FaultSource drive(std::size_t index, AlarmKind kind = AlarmKind::emcy) {
@@ -26,11 +27,11 @@ class FirstOutTest : public testing::Test {
   /// An alarm becomes active.
   void begin(const FaultSource& source, canopen::Duration at) {
     shown_[source] = false;
-    first_out_.on_fault(source, kStart + at, false);
+    first_out_.on_fault(source, kFirstTime + at, false);
   }
   /// One more error in an alarm that is active.
   void more(const FaultSource& source, canopen::Duration at) {
-    first_out_.on_fault(source, kStart + at, shown_[source]);
+    first_out_.on_fault(source, kFirstTime + at, shown_[source]);
   }
   [[nodiscard]] bool first(const FaultSource& source) const { return shown_.at(source); }
   [[nodiscard]] std::optional<FaultSource> newest() const { return first_out_.newest_group(); }
@@ -200,13 +201,16 @@ TEST_F(FirstOutTest, OlderThanAllThatIsRememberedNobodyCanTell) {
 }
 
 /// The rule itself, over a list of all faults.
-std::set<std::size_t> firsts_of(std::vector<std::pair<canopen::Duration, std::size_t>> faults) {
-  std::stable_sort(faults.begin(), faults.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+std::set<std::size_t> firsts_of(const std::vector<std::pair<canopen::Duration, std::size_t>>& faults) {
+  // Equal times stay in the order in which they were told.
+  const std::multimap<canopen::Duration, std::size_t> in_order(faults.begin(), faults.end());
   std::set<std::size_t> firsts;
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    if (i == 0 || faults[i].first - faults[i - 1].first > 2s) {
-      firsts.insert(faults[i].second);
+  std::optional<canopen::Duration> before;
+  for (const auto& [at, source] : in_order) {
+    if (!before || at - *before > 2s) {
+      firsts.insert(source);
     }
+    before = at;
   }
   return firsts;
 }

@@ -14,9 +14,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint8_t kNode = 5;
+constexpr std::uint8_t kDriveNode = 5;
 constexpr std::uint8_t kGatewayNode = 127;
-constexpr canopen::Duration kStep = 5ms;
+constexpr canopen::Duration kMoved = 5ms;
 
 config::Model model_of(const std::string& profile) {
   const std::string site =
@@ -47,7 +47,7 @@ RestartSite::Gateway::Gateway(support::HandDrivenLoop& loop, canopen::VirtualBus
 RestartSite::RestartSite(const std::string& profile, bool remembers)
     : model_(model_of(profile)), remembers_(remembers), drive_(nullptr) {
   network_.open();
-  drive_ = simulator::make_drive(profile, kNode, network_);
+  drive_ = simulator::make_drive(profile, kDriveNode, network_);
   drive_->power_on();
   start_gateway();
   run(5s);
@@ -146,8 +146,8 @@ void RestartSite::give_fault() {
 }
 
 void RestartSite::run(canopen::Duration time) {
-  for (canopen::Duration passed{}; passed < time; passed += kStep) {
-    loop_.advance(kStep, kStep);
+  for (canopen::Duration passed{}; passed < time; passed += kMoved) {
+    loop_.advance(kMoved, kMoved);
     give_fault();
   }
 }

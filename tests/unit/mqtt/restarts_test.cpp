@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 using test::RestartSite;
 namespace json = boost::json;
 
-struct Kind {
+struct System {
   std::string profile;
   std::uint16_t fault;
   std::uint16_t other;
@@ -68,7 +68,7 @@ json::value parsed(const std::string& text) {
   return value;
 }
 
-class Restarts : public ::testing::TestWithParam<Kind> {
+class Restarts : public ::testing::TestWithParam<System> {
  protected:
   /// What the alarm is called where nothing restarts.
   [[nodiscard]] static std::string name_of(const std::string& profile, std::uint16_t fault) {
@@ -124,7 +124,7 @@ class Restarts : public ::testing::TestWithParam<Kind> {
     expect_truth(site, named, change.after ? std::optional(names.at(change.same ? 0 : 1)) : std::nullopt, what);
   }
 
-  const Kind kind_ = GetParam();
+  const System kind_ = GetParam();
 };
 
 TEST_P(Restarts, InEveryOrderEveryAlarmIsTrueThreeSecondsAfterTheLast) {
@@ -140,9 +140,9 @@ TEST_P(Restarts, InEveryOrderEveryAlarmIsTrueThreeSecondsAfterTheLast) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllSystems, Restarts,
-                         ::testing::Values(Kind{"veichi-ac300", 0x0005, 0x0006, true},
-                                           Kind{"veichi-ac310", 0x0005, 0x0006, true}, Kind{"invt-goodrive600", 4, 5},
-                                           Kind{"vacon-opte6", 1, 2}),
+                         ::testing::Values(System{"veichi-ac300", 0x0005, 0x0006, true},
+                                           System{"veichi-ac310", 0x0005, 0x0006, true},
+                                           System{"invt-goodrive600", 4, 5}, System{"vacon-opte6", 1, 2}),
                          [](const auto& test) {
                            std::string name = test.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');
