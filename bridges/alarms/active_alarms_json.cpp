@@ -23,7 +23,7 @@ std::string active_alarms_json(std::span<const ListedAlarm> active) {
     object.text("code", "0x" + canopen::hex(alarm.code, 4));
     object.text("reason", alarm.reason);
     object.text("text", alarm.text);
-    object.text("severity", alarm.severity == config::Severity::fault ? "fault" : "warning");
+    object.text("severity", name_of(alarm.severity));
     object.text("since", text::timestamp(alarm.since));
     object.boolean("first", alarm.first);
     object.close();

@@ -18,4 +18,8 @@ std::string_view name_of(AlarmKind kind) noexcept {
   return "control";
 }
 
+std::string_view name_of(config::Severity severity) noexcept {
+  return severity == config::Severity::fault ? "fault" : "warning";
+}
+
 }  // namespace alarms

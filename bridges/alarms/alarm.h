@@ -22,6 +22,8 @@ inline constexpr std::array<AlarmKind, 5> kAlarmKinds{AlarmKind::emcy, AlarmKind
                                                       AlarmKind::data, AlarmKind::control};
 /// `emcy`, `heartbeat`, `boot`, `data`, `control`: the topic's last level.
 [[nodiscard]] std::string_view name_of(AlarmKind kind) noexcept;
+/// `fault`, `warning`
+[[nodiscard]] std::string_view name_of(config::Severity severity) noexcept;
 
 /// One error of a drive: one by code and vendor bytes.
 struct AlarmError {

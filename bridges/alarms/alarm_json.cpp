@@ -7,29 +7,17 @@
 
 #include "bridges/text/json_text.h"
 #include "bridges/text/timestamp.h"
+#include "canopen/hex.h"
 
 namespace alarms {
 namespace {
 
-std::string hex_text(std::uint64_t value, std::size_t digits) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string text(digits, '0');
-  for (std::size_t i = digits; i > 0; --i, value >>= 4U) {
-    text[i - 1] = kDigits[value & 0xFU];
-  }
-  return text;
-}
-
 std::string vendor_text(const std::array<std::uint8_t, 5>& vendor) {
   std::string text;
   for (const std::uint8_t byte : vendor) {
-    text += hex_text(byte, 2);
+    text += canopen::hex(byte, 2);
   }
   return text;
-}
-
-std::string_view severity_text(config::Severity severity) {
-  return severity == config::Severity::fault ? "fault" : "warning";
 }
 
 // A time that never was is null.
@@ -47,9 +35,9 @@ void append_errors(std::string& out, const std::vector<AlarmError>& errors) {
   for (const AlarmError& error : errors) {
     text::append_separator(out, first);
     text::ObjectText object(out);
-    object.text("code", "0x" + hex_text(error.code, 4));
+    object.text("code", "0x" + canopen::hex(error.code, 4));
     object.text("vendor", vendor_text(error.vendor));
-    object.text("severity", severity_text(error.severity));
+    object.text("severity", name_of(error.severity));
     object.text("text", error.text);
     append_time(object, "since", error.since);
     object.close();
@@ -64,11 +52,11 @@ std::string alarm_json(const Alarm& alarm) {
   text::ObjectText object(out);
   object.boolean("active", alarm.active);
   object.text("id", alarm.id);
-  object.text("code", "0x" + hex_text(alarm.code, 4));
+  object.text("code", "0x" + canopen::hex(alarm.code, 4));
   object.text("reason", alarm.reason);
   object.text("text", alarm.text);
-  object.text("severity", severity_text(alarm.severity));
-  object.text("register", "0x" + hex_text(alarm.error_register, 2));
+  object.text("severity", name_of(alarm.severity));
+  object.text("register", "0x" + canopen::hex(alarm.error_register, 2));
   object.text("vendor", vendor_text(alarm.vendor));
   append_time(object, "since", alarm.since);
   append_time(object, "ts", alarm.ts);

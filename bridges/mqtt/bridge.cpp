@@ -147,9 +147,9 @@ void Bridge::on_message(Incoming message) {
   const auto route = topics_.route(message.topic);
   if (route && route->kind == Route::Kind::watched) {
     wake(alarms_.received(message, canopen::Clock::now()));
-    return;
+  } else if (route) {
+    requests_.handle(message, *route);
   }
-  requests_.handle(message);
 }
 
 boost::asio::awaitable<void> Bridge::run() {

@@ -48,20 +48,19 @@ Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant,
       topics_(topics),
       under_way_(std::make_shared<UnderWay>(executor_, plant.size(), std::move(publish))) {}
 
-void Requests::handle(const Incoming& incoming) {
-  const auto route = topics_.route(incoming.topic);
-  if (!under_way_->open || !route || route->kind == Route::Kind::watched) {
+void Requests::handle(const Incoming& incoming, const Route& route) {
+  if (!under_way_->open) {
     return;
   }
-  if (route->kind == Route::Kind::alive) {
-    take_sign_of_life(incoming, *route);
+  if (route.kind == Route::Kind::alive) {
+    take_sign_of_life(incoming, route);
     return;
   }
   // An empty payload is what empties a retained topic, by us or by somebody else.
   if (incoming.payload.empty()) {
     return;
   }
-  Command command = take_apart(incoming, *route);
+  Command command = take_apart(incoming, route);
   if (incoming.retained) {
     under_way_->send({.topic = incoming.topic, .payload = {}});
   }

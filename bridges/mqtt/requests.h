@@ -35,8 +35,8 @@ class Requests {
   /// `plant` and `topics` outlive it; `publish` is called on the loop until the end of stop().
   Requests(boost::asio::any_io_executor executor, process::Plant& plant, const Topics& topics, Publish publish);
 
-  /// A message of one of Topics::command_subscriptions().
-  void handle(const Incoming& incoming);
+  /// A message of one of Topics::command_subscriptions(), and what its topic is.
+  void handle(const Incoming& incoming, const Route& route);
 
   /// It stops a drive that may be stopped this way, or all. From any thread: reads nothing but the configuration.
   [[nodiscard]] bool is_stop(const Incoming& incoming) const;

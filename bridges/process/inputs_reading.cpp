@@ -11,7 +11,7 @@ namespace {
 using canopen::Duration;
 using canopen::TimePoint;
 
-/// Objects that the drive does not have, or does not show, are asked for now and then only: a parameter may make them
+/// Pause before an object is asked for again that the drive does not have or does not show: a parameter may make it
 /// appear.
 constexpr Duration kAbsentObject = std::chrono::seconds(60);
 

@@ -104,7 +104,7 @@ void append_alarm(std::string& out, std::string_view kind, const alarms::Alarm& 
   object.text("code", fmt::format("0x{:04X}", alarm.code));
   object.text("reason", alarm.reason);
   object.text("text", alarm.text);
-  object.text("severity", alarm.severity == config::Severity::fault ? "fault" : "warning");
+  object.text("severity", alarms::name_of(alarm.severity));
   object.text("since", text::timestamp(alarm.since));
   object.boolean("confirmed", alarm.confirmed);
   object.boolean("first", alarm.first);

@@ -11,7 +11,7 @@ namespace {
 using Milliseconds = std::chrono::milliseconds;
 using canopen::TimePoint;
 
-constexpr TimePoint kStart{std::chrono::hours(1)};
+constexpr TimePoint kFirstChange{std::chrono::hours(1)};
 
 struct Case {
   std::string name;
@@ -26,7 +26,7 @@ std::vector<int> tellings(const std::vector<int>& changes) {
   std::size_t next_change = 0;
   TimePoint timer = canopen::kNever;
   for (int millisecond = 0; millisecond <= 5000; ++millisecond) {
-    const TimePoint now = kStart + Milliseconds(millisecond);
+    const TimePoint now = kFirstChange + Milliseconds(millisecond);
     for (; next_change < changes.size() && changes[next_change] == millisecond; ++next_change) {
       timer = pace.note(now);
       if (timer == now) {
@@ -72,13 +72,13 @@ TEST(AlarmPaceTest, TheFirstAtOnceFurtherOnesPacedTheLastAlways) {
 
 TEST(AlarmPaceTest, WhatCouldNotBeToldStaysDue) {
   AlarmPace pace;
-  EXPECT_EQ(pace.note(kStart), kStart);
-  EXPECT_TRUE(pace.due(kStart));
-  EXPECT_TRUE(pace.due(kStart + Milliseconds(9000))) << "no connection until now";
-  EXPECT_EQ(pace.note(kStart + Milliseconds(9000)), kStart + Milliseconds(9000));
-  pace.told(kStart + Milliseconds(9001));
+  EXPECT_EQ(pace.note(kFirstChange), kFirstChange);
+  EXPECT_TRUE(pace.due(kFirstChange));
+  EXPECT_TRUE(pace.due(kFirstChange + Milliseconds(9000))) << "no connection until now";
+  EXPECT_EQ(pace.note(kFirstChange + Milliseconds(9000)), kFirstChange + Milliseconds(9000));
+  pace.told(kFirstChange + Milliseconds(9001));
   EXPECT_EQ(pace.next(), canopen::kNever);
-  EXPECT_EQ(pace.note(kStart + Milliseconds(9002)), kStart + Milliseconds(9501));
+  EXPECT_EQ(pace.note(kFirstChange + Milliseconds(9002)), kFirstChange + Milliseconds(9501));
 }
 
 }  // namespace

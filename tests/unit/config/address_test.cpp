@@ -14,7 +14,7 @@ type = "u16"
 )";
 
 std::string site(std::string_view more, std::string_view unit = "") {
-  return kBus + "[[drive]]\nname = \"a\"\nnode = 1\nprofile = \"own\"\n" + std::string(unit) + std::string(more);
+  return own_site(std::string(unit) + std::string(more));
 }
 
 std::string signal(std::string_view name, std::string_view type, std::string_view keys) {

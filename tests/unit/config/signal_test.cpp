@@ -11,7 +11,7 @@ using std::chrono::seconds;
 using testing::HasSubstr;
 
 // Two words in a TPDO, two in an RPDO.
-const std::string kOwn = R"(title = "a drive of the test"
+const std::string kTwoPdos = R"(title = "a drive of the test"
 [tpdo1]
 map = ["0x2000:01 u16", "0x2000:02 i16"]
 [rpdo1]
@@ -38,16 +38,12 @@ mask = 0x0003
 equals = [1, 2]
 )";
 
-std::string site(std::string_view more) {
-  return kBus + "[[drive]]\nname = \"a\"\nnode = 1\nprofile = \"own\"\n" + std::string(more);
-}
-
-std::string error_with(std::string_view more) {
-  return error_of(site(more), kOwn);
+std::string signal_error_with(std::string_view more) {
+  return error_of(own_site(more), kTwoPdos);
 }
 
 Drive drive_with(std::string_view more) {
-  return model_of(site(more), kOwn).drives.at(0);
+  return model_of(own_site(more), kTwoPdos).drives.at(0);
 }
 
 TEST(Signals, ComeFromTheirPdos) {
@@ -126,7 +122,7 @@ TEST(Signals, ASignOfTheSiteGoesIntoTheMapping) {
 }
 
 TEST(Signals, OfAnUnknownNameAreATypingMistakeOrNeedAnObject) {
-  EXPECT_EQ(error_with("[drive.signals.target_velocty]\nmax = 10\n"),
+  EXPECT_EQ(signal_error_with("[drive.signals.target_velocty]\nmax = 10\n"),
             "gateway.toml:7:16: error: drive \"a\": signal \"target_velocty\" is not in profile \"own\", where "
             "\"target_velocity\" is nearest; a signal of your own needs object and type");
 }
@@ -146,36 +142,37 @@ TEST(Signals, WhoseWordsAreAllLeftOutLeaveThePdoAlone) {
 
 TEST(Signals, HaveNamesThatAreNoFixedTopics) {
   for (const std::string name : {"state", "status", "alarm", "nmt", "sdo", "set", "control", "history", "id"}) {
-    EXPECT_THAT(error_with("[drive.signals." + name + "]\nobject = \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
+    EXPECT_THAT(signal_error_with("[drive.signals." + name + "]\nobject = \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
                 HasSubstr("the name is that of a fixed topic"));
   }
-  EXPECT_THAT(error_with("[drive.signals.Motor]\nobject = \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.Motor]\nobject = \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
               HasSubstr("must be lower case letters"));
   EXPECT_THAT(
-      error_with("[drive.signals.status_word]\nvalues = { 0 = \"a\" }\n[drive.signals.status_word_code]\nobject "
-                 "= \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
+      signal_error_with("[drive.signals.status_word]\nvalues = { 0 = \"a\" }\n[drive.signals.status_word_code]\nobject "
+                        "= \"0x1\"\ntype = \"u8\"\naddress = 300\n"),
       HasSubstr("it is the number of the enumerated \"status_word\""));
 }
 
 TEST(Limits, MustMakeSense) {
-  EXPECT_THAT(error_with("[drive.signals.target_velocity]\nmin = 5\nmax = 1\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.target_velocity]\nmin = 5\nmax = 1\n"),
               HasSubstr("8:7: error: drive \"a\": signal \"target_velocity\" has min 5 above max 1"));
-  EXPECT_THAT(error_with("[drive.signals.target_velocity]\nmax = 40000\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.target_velocity]\nmax = 40000\n"),
               HasSubstr("has a limit of 40000, which i16 with the scale 1 cannot hold"));
-  EXPECT_THAT(error_with("[drive.signals.motor_speed]\nmax = 10\n"), HasSubstr("cannot be written"));
-  EXPECT_THAT(error_with("[drive.signals.target_velocity]\nmax = nan\n"), HasSubstr("must be a finite number"));
-  EXPECT_THAT(error_with("[drive.signals.motor_speed]\nscale = 0\n"), HasSubstr("must be positive"));
-  EXPECT_THAT(error_with("[drive.signals.motor_speed]\ndeadband = -1\n"), HasSubstr("negative deadband"));
+  EXPECT_THAT(signal_error_with("[drive.signals.motor_speed]\nmax = 10\n"), HasSubstr("cannot be written"));
+  EXPECT_THAT(signal_error_with("[drive.signals.target_velocity]\nmax = nan\n"), HasSubstr("must be a finite number"));
+  EXPECT_THAT(signal_error_with("[drive.signals.motor_speed]\nscale = 0\n"), HasSubstr("must be positive"));
+  EXPECT_THAT(signal_error_with("[drive.signals.motor_speed]\ndeadband = -1\n"), HasSubstr("negative deadband"));
 }
 
 TEST(Enumerations, MustFitTheirType) {
-  EXPECT_THAT(error_with("[drive.signals.status_word]\nvalues = { 70000 = \"a\" }\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.status_word]\nvalues = { 70000 = \"a\" }\n"),
               HasSubstr("names 70000, which does not fit u16"));
-  EXPECT_THAT(error_with("[drive.signals.status_word]\nvalues = { 1 = \"a\", 2 = \"a\" }\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.status_word]\nvalues = { 1 = \"a\", 2 = \"a\" }\n"),
               HasSubstr("calls two values \"a\""));
-  EXPECT_THAT(error_with("[drive.signals.status_word]\nvalues = { 1 = \"a\", 0x1 = \"b\" }\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.status_word]\nvalues = { 1 = \"a\", 0x1 = \"b\" }\n"),
               HasSubstr("names the number \"0x1\" twice"));
-  EXPECT_THAT(error_with("[drive.signals.status_word]\nvalues = { one = \"a\" }\n"), HasSubstr("which is no number"));
+  EXPECT_THAT(signal_error_with("[drive.signals.status_word]\nvalues = { one = \"a\" }\n"),
+              HasSubstr("which is no number"));
 }
 
 TEST(DerivedSignals, ReadAWordByMaskAndValues) {
@@ -197,7 +194,7 @@ TEST(DerivedSignals, ReadAWordByMaskAndValues) {
 
 TEST(DerivedSignals, MustBeAbleToBeTrue) {
   const auto derived = [](std::string_view keys) {
-    return error_with("[drive.signals.x]\naddress = 200\n" + std::string(keys));
+    return signal_error_with("[drive.signals.x]\naddress = 200\n" + std::string(keys));
   };
   EXPECT_THAT(derived("from = \"status_wrd\"\nmask = 1\n"),
               HasSubstr("reads \"status_wrd\", which this drive does not have; nearest is \"status_word\""));
@@ -212,7 +209,7 @@ TEST(DerivedSignals, MustBeAbleToBeTrue) {
 }
 
 TEST(SpecialSignals, MustBeBooleans) {
-  EXPECT_THAT(error_with("[drive.signals.fault]\nobject = \"0x2005\"\ntype = \"u16\"\naddress = 300\n"),
+  EXPECT_THAT(signal_error_with("[drive.signals.fault]\nobject = \"0x2005\"\ntype = \"u16\"\naddress = 300\n"),
               HasSubstr("signal \"fault\" must be a readable boolean"));
 }
 
@@ -222,8 +219,9 @@ TEST(Momentary, IsAValueOrAMask) {
   EXPECT_TRUE(is_momentary(control, 7));
   EXPECT_TRUE(is_momentary(control, 0x8F));
   EXPECT_FALSE(is_momentary(control, 0x0F));
-  EXPECT_THAT(error_with("[drive.signals.control_command]\nmomentary = [-1]\n"), HasSubstr("does not fit u16"));
-  EXPECT_THAT(error_with("[drive.signals.motor_speed]\nmomentary = [7]\n"), HasSubstr("nothing of it is momentary"));
+  EXPECT_THAT(signal_error_with("[drive.signals.control_command]\nmomentary = [-1]\n"), HasSubstr("does not fit u16"));
+  EXPECT_THAT(signal_error_with("[drive.signals.motor_speed]\nmomentary = [7]\n"),
+              HasSubstr("nothing of it is momentary"));
 }
 
 }  // namespace

@@ -80,4 +80,9 @@ inline const Signal& signal_of(const Drive& drive, std::string_view name) {
   return at.has_value() ? drive.signals[*at] : none;
 }
 
+/// Drive `a` with the profile `own`, and `more` in its table.
+inline std::string own_site(std::string_view more) {
+  return kBus + "[[drive]]\nname = \"a\"\nnode = 1\nprofile = \"own\"\n" + std::string(more);
+}
+
 }  // namespace config
