@@ -75,8 +75,8 @@ class Commands {
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value);
   /// A command that its bridge cannot take for one: it was asked for all the same, so log and journal have it. What is
   /// told: `mistake`, or what goes before it, which is the writer and, before access, type and range, the lease.
-  /// `retained` stands before the writer.
-  Outcome refuse(Origin origin, canopen::Error mistake);
+  /// `retained` stands before the writer. `kind`: what was asked for, as far as it can be told.
+  Outcome refuse(Origin origin, CommandRecord::Kind kind, canopen::Error mistake);
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();

@@ -209,9 +209,8 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
   const Result<void> written = co_await send_sdo(command, control, true);
   if (written.has_value()) {
     take_out(command, fields, {{control}});
-    co_return written;
   }
-  if (written.error().kind != ErrorKind::refused || refuse_unreachable()) {
+  if (written.has_value() || written.error().kind != ErrorKind::refused || refuse_unreachable()) {
     co_return written;
   }
   if (left_by_rpdo && takes_no_sdo(written.error())) {

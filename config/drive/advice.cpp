@@ -105,7 +105,8 @@ void advise_on_stops(const DriveDraft& draft) {
 /// it is known, or can be read.
 void advise_on_single_stops(const DriveDraft& draft) {
   const auto control = draft.drive.find("control_command");
-  if (!control.has_value() || !draft.drive.signals[*control].pdo_only) {
+  if (!control.has_value() || !draft.drive.signals[*control].pdo_only ||
+      draft.drive.signals[*control].source.kind != SourceKind::rpdo) {  // an error of its own
     return;
   }
   const std::string rpdo = to_text(draft.drive.signals[*control].source);
