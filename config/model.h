@@ -94,6 +94,7 @@ struct Signal {
   double deadband = 0.0;                           ///< MQTT: a smaller change causes no publish. Engineering units.
   std::uint64_t publish_mask = ~std::uint64_t{0};  ///< MQTT: bits of a word whose change alone causes a publish.
   bool unconfirmed = false;                        ///< The profile marks meaning or scale as not established.
+  bool pdo_only = false;                           ///< The drive takes it in its RPDO alone; then `source` is one.
   friend bool operator==(const Signal&, const Signal&) = default;
 };
 

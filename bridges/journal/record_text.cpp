@@ -78,10 +78,18 @@ std::string what_text(const process::CommandRecord& record) {
       break;
     case process::CommandRecord::Kind::nmt:
       text += "\"nmt\":";
-      append_text(text, record.nmt ? canopen::name_of(*record.nmt) : std::string_view());
+      if (record.nmt) {
+        append_text(text, canopen::name_of(*record.nmt));
+      } else {
+        text += "null";  // it was no command
+      }
       break;
     case process::CommandRecord::Kind::raw: {
-      const canopen::ObjectValue value = record.object.value_or(canopen::ObjectValue{});
+      if (!record.object) {
+        text += "\"object\":null";  // it was no request that can be carried out
+        break;
+      }
+      const canopen::ObjectValue& value = *record.object;
       text += "\"object\":\"" + canopen::to_string(value.object) + "\",\"type\":\"";
       text += canopen::name_of(value.type);
       append_raw(text += "\",\"asked\":", value.type, value.raw);

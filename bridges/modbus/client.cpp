@@ -87,6 +87,8 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
     units_.sign_of_life(unit, writer_);
   }
   if (answer_.request.writes() && !may_write_) {
+    units_.note_refused(unit, answer_.request, {.writer = writer_},
+                        {.kind = canopen::ErrorKind::forbidden, .detail = "[modbus] write_from does not name it"});
     answer_.exception = Exception::illegal_function;
     return false;
   }
@@ -95,7 +97,13 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
   if (answer_.request.reads()) {
     answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
   }
-  return answer_.request.writes() && (!answer_.exception || units_.is_stop(unit, answer_.request));
+  if (!answer_.request.writes() || !answer_.exception || units_.is_stop(unit, answer_.request)) {
+    return answer_.request.writes();
+  }
+  units_.note_refused(unit, answer_.request, {.writer = writer_},
+                      {.kind = canopen::ErrorKind::incomplete,
+                       .detail = "what function 23 was to read cannot be read, so nothing was written"});
+  return false;
 }
 
 awaitable<void> Client::carry_out(std::uint8_t unit) {

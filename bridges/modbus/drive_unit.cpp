@@ -17,6 +17,23 @@ std::optional<std::uint16_t> nmt_number(const Request& request) {
   return static_cast<std::uint16_t>(request.values[0] << 8 | request.values[1]);
 }
 
+bool writes_nmt(const Request& request) {
+  return !request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1};
+}
+
+// For log and journal; the client hears the exception alone.
+canopen::Error mistake_of(Exception planned, const Request& request) {
+  const std::uint32_t last = std::uint32_t{request.write.address} + request.write.quantity - 1;
+  std::string where = (request.of_bits() ? "coil " : "register ") + std::to_string(request.write.address);
+  if (request.write.quantity > 1) {
+    where += " to " + std::to_string(last);
+  }
+  if (planned == Exception::illegal_address) {
+    return {.kind = canopen::ErrorKind::read_only, .detail = where + " is not there, not all of a value, or read only"};
+  }
+  return {.kind = canopen::ErrorKind::type, .detail = "what was written to " + where + " is no value of the signal"};
+}
+
 Exception exception_of(const canopen::Error& error) {
   return Exception{process::answer_of(error.kind).modbus_exception};
 }
@@ -167,16 +184,13 @@ bool DriveUnit::is_stop(const Request& request) const {
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Origin origin) {
-  if (!request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1}) {
-    const std::optional<std::uint16_t> number = nmt_number(request);
-    if (!number) {
-      co_return Exception::illegal_value;
-    }
-    const std::optional<Exception> refused = co_await write_nmt(*number, std::move(origin));
+  if (writes_nmt(request)) {
+    const std::optional<Exception> refused = co_await write_nmt(nmt_number(request), std::move(origin));
     co_return refused;
   }
   WritePlan planned = plan(request, request.values);
   if (const auto* const refused = std::get_if<Exception>(&planned)) {
+    note_refused(request, std::move(origin), mistake_of(*refused, request));
     co_return *refused;
   }
   auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
@@ -184,16 +198,24 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
   co_return outcome.has_error() ? std::optional(exception_of(outcome.error())) : std::nullopt;
 }
 
-boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::uint16_t number, process::Origin origin) {
-  const auto command = canopen::nmt_command_of(number);
+void DriveUnit::note_refused(const Request& request, process::Origin origin, canopen::Error why) {
+  using Kind = process::CommandRecord::Kind;
+  (void)drive().refuse(std::move(origin), writes_nmt(request) ? Kind::nmt : Kind::write, std::move(why));
+}
+
+boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::optional<std::uint16_t> number,
+                                                                      process::Origin origin) {
+  const auto command = number ? canopen::nmt_command_of(*number) : std::nullopt;
   if (!command) {
+    (void)drive().refuse(std::move(origin), process::CommandRecord::Kind::nmt,
+                         {.kind = canopen::ErrorKind::type, .detail = "no number of an NMT command"});
     co_return Exception::illegal_value;
   }
   const process::Outcome outcome = co_await drive().nmt(std::move(origin), *command);
   if (outcome.has_error()) {
     co_return exception_of(outcome.error());
   }
-  last_nmt_command_ = number;
+  last_nmt_command_ = *number;
   co_return std::nullopt;
 }
 

@@ -32,6 +32,8 @@ class DriveUnit {
                                                    std::span<std::uint8_t> out) const;
   [[nodiscard]] bool is_stop(const Request& request) const;
   /// Nothing: confirmed. What request.values points to outlives the call.
+  /// A write that is refused before it is looked at: the drive notes it.
+  void note_refused(const Request& request, process::Origin origin, canopen::Error why);
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
 
  private:
@@ -47,7 +49,9 @@ class DriveUnit {
   [[nodiscard]] Diagnostics diagnostics(Range range, canopen::TimePoint now) const;
   [[nodiscard]] WritePlan plan_mask(const Request& request) const;
   [[nodiscard]] WritePlan plan(const Request& request, std::span<const std::uint8_t> bytes) const;
-  boost::asio::awaitable<std::optional<Exception>> write_nmt(std::uint16_t number, process::Origin origin);
+  /// `number`: nothing where bits alone were asked for.
+  boost::asio::awaitable<std::optional<Exception>> write_nmt(std::optional<std::uint16_t> number,
+                                                             process::Origin origin);
 
   process::Plant& plant_;
   std::size_t index_;

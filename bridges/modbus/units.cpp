@@ -38,6 +38,12 @@ bool Units::is_stop(std::uint8_t unit, const Request& request) const {
   return !is_gateway(unit) && by_id_[unit]->is_stop(request);
 }
 
+void Units::note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why) {
+  if (!is_gateway(unit)) {
+    by_id_[unit]->note_refused(request, std::move(origin), std::move(why));
+  }
+}
+
 boost::asio::awaitable<std::optional<Exception>> Units::write(std::uint8_t unit, Request request,
                                                               process::Origin origin) {
   if (is_gateway(unit)) {

@@ -36,6 +36,14 @@ bool is_expired(const Incoming& incoming, canopen::TimePoint now) {
   return incoming.expiry && now - incoming.received >= std::chrono::seconds(*incoming.expiry);
 }
 
+process::CommandRecord::Kind kind_of(const Route& route) {
+  using Kind = process::CommandRecord::Kind;
+  if (route.kind == Route::Kind::nmt) {
+    return Kind::nmt;
+  }
+  return route.kind == Route::Kind::sdo ? Kind::raw : Kind::write;
+}
+
 bool carries_no_command(const Route& route) {
   return route.kind == Route::Kind::watched || route.kind == Route::Kind::alive;
 }
@@ -88,7 +96,7 @@ void Requests::handle(const Incoming& incoming, const Route& route) {
 
 process::Outcome Requests::refuse(const Incoming& incoming, const Command& command, Error mistake) {
   const bool is_command = command.drive != nullptr && !command.reads;
-  return is_command ? command.drive->refuse(origin_of(incoming, command.id), std::move(mistake))
+  return is_command ? command.drive->refuse(origin_of(incoming, command.id), command.kind, std::move(mistake))
                     : process::Outcome(std::move(mistake));
 }
 
@@ -127,6 +135,7 @@ Requests::Command Requests::take_apart(const Incoming& incoming, const Route& ro
                   .drive = drive,
                   .has_id = !parsed.id.empty(),
                   .id = parsed.id_text,
+                  .kind = kind_of(route),
                   .reads = asks_to_read(route, parsed),
                   .asked = asked_of(drive == nullptr ? nullptr : &drive->model(), route, parsed)};
   command.to.id = parsed.id;

@@ -52,6 +52,7 @@ class Requests {
     process::Drive* drive = nullptr;
     bool has_id = false;
     std::string id;  ///< For the journal and the log.
+    process::CommandRecord::Kind kind = process::CommandRecord::Kind::write;
     bool reads = false;
     bool stops = false;
     bool allowed = true;  ///< MQTT may write this drive, or nothing is written.

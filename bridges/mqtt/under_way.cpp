@@ -68,8 +68,11 @@ void UnderWay::repeat(const ReplyTo& to, const Duplicates::Earlier& earlier) {
 boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
                                           process::Origin origin, std::vector<process::FieldWrite> fields,
                                           Asker asker) {
+  process::Origin of_mistake = origin;
   process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields));
   if (outcome.has_value() && asker.left_out) {
+    // The stop has lines of its own in the journal.
+    (void)drive.refuse(std::move(of_mistake), process::CommandRecord::Kind::write, *asker.left_out);
     outcome.failure = std::move(asker.left_out);
     outcome.failure->detail += "; the stop beside it was carried out";
   }

@@ -75,8 +75,8 @@ class Commands {
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value);
   /// A command that its bridge cannot take for one: it was asked for all the same, so log and journal have it. What is
   /// told: `mistake`, or what goes before it, which is the writer and, before access, type and range, the lease.
-  /// `retained` stands before the writer.
-  Outcome refuse(Origin origin, canopen::Error mistake);
+  /// `retained` stands before the writer. `kind`: what was asked for, as far as it can be told.
+  Outcome refuse(Origin origin, CommandRecord::Kind kind, canopen::Error mistake);
 
   void on_status(const canopen::NodeStatus& status);
   void on_boot_up();
@@ -165,6 +165,8 @@ class Commands {
   void note_confirmed(PendingCommand& command, const Field& field, std::uint16_t rpdo);
   void take_out(PendingCommand& command, std::vector<Field>& fields, std::span<const Field> written);
   [[nodiscard]] canopen::Error explain(canopen::Error error, SignalId signal) const;
+  /// Of a signal that goes by RPDO alone: what completes that.
+  [[nodiscard]] canopen::Error incomplete(SignalId signal) const;
   boost::asio::awaitable<void> note_begin(PendingCommand& command);
   /// A stop came: the step under way is not sent where it has not left, and nothing of before it that moves a motor.
   void call_back();
@@ -184,6 +186,8 @@ class Commands {
   /// It writes that value to `control_command`, whatever stands beside it.
   [[nodiscard]] bool asks_control(const PendingCommand& command, canopen::Raw raw) const;
   void go_first(const PendingCommand& stop, canopen::Raw raw);
+  /// A newer stop waits for this one. What is read to complete an equal one the newer one would have to read, too.
+  void hurry(PendingCommand& older, const PendingCommand& newer, bool equal);
   [[nodiscard]] Refusal refuse_superfluous(const PendingCommand& stop) const;
   /// A stop that was not confirmed while an equal one waited behind it: the confirmation of that one is its own.
   boost::asio::awaitable<canopen::Result<void>> join_equal(PendingCommand& command, std::vector<Field>& fields,

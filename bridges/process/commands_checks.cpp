@@ -124,8 +124,8 @@ Result<Raw> Commands::base_of_bits(SignalId signal) const {
   return error(ErrorKind::offline, "the bits that are to be kept are not known: the value is not fresh");
 }
 
-Outcome Commands::refuse(Origin origin, Error mistake) {
-  const PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::write);
+Outcome Commands::refuse(Origin origin, CommandRecord::Kind kind, Error mistake) {
+  const PendingCommand command = arrive(std::move(origin), kind);
   Refusal before;
   if (mistake.kind != ErrorKind::retained) {
     before = refuse_writer(model_, command.record.writer);

@@ -44,6 +44,9 @@ awaitable<Outcome> Commands::carry_out(PendingCommand& command, std::vector<Fiel
     if (canopen::Clock::now() >= command.deadline) {
       co_return with_written(*refuse_for_time(command), command.written_names);
     }
+    if (const auto unsendable = first_unsendable(model_, commanded_, remaining)) {
+      co_return with_written(incomplete(*unsendable), command.written_names);
+    }
     if (command.record.writes_control && !command.noted) {
       co_await note_begin(command);
       continue;  // It may not stand any more.
@@ -164,10 +167,18 @@ Error Commands::explain(Error error, SignalId signal) const {
     return error;
   }
   error.kind = ErrorKind::incomplete;
-  error.detail = "RPDO" + std::to_string(rpdo) +
-                 " is not complete, and the drive takes no single write of this object; " +
-                 completion_text(model_, rpdo);
+  error.detail = incomplete(signal).detail;
   return error;
+}
+
+Error Commands::incomplete(SignalId signal) const {
+  const std::uint16_t rpdo = commanded_.rpdo_of(signal);
+  Error told = error(ErrorKind::incomplete, "RPDO" + std::to_string(rpdo) +
+                                                " is not complete, and the drive takes no single write of this "
+                                                "object; " +
+                                                completion_text(model_, rpdo));
+  told.object = model_.signals[signal].object;
+  return told;
 }
 
 awaitable<void> Commands::note_begin(PendingCommand& command) {

@@ -112,16 +112,20 @@ void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
     if (!older->begun && !older->left && equal && older->record.fields.size() == 1) {
       older->ended = error(ErrorKind::superseded, "an equal stop came after it: " + last_stop_text_);
     } else if (older->begun) {
-      node_.hurry_stop(older->stop_limit, stop.deadline);
-      if (!equal) {
-        node_.hurry_stop(older->read_limit, stop.deadline);
-      }
+      hurry(*older, stop, equal);
     }
   }
   commanded_.on_stop(raw);
   call_back();
   node_.repetition_changed();
   changed_.notify();
+}
+
+void Commands::hurry(PendingCommand& older, const PendingCommand& newer, bool equal) {
+  node_.hurry_stop(older.stop_limit, newer.deadline);
+  if (!equal) {
+    node_.hurry_stop(older.read_limit, newer.deadline);
+  }
 }
 
 awaitable<Commands::Refusal> Commands::await_stop_turn(PendingCommand& command) {
@@ -163,7 +167,9 @@ awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector
     command.left = !left.has_error() || !left.error().not_sent;
     // An older write of the same object that the drive has not answered, and an older stop that is not through, may
     // still take effect: it is written again behind them.
-    if (left_by_rpdo && !doubtful && !node_.may_still_act(object) && stops_.is_first(command)) {
+    // One that is taken by RPDO alone has nothing under way by SDO, and an older stop gives way to this one.
+    const bool sure = !doubtful && !node_.may_still_act(object) && stops_.is_first(command);
+    if (left_by_rpdo && (sure || model_.signals[control.signal].pdo_only)) {
       take_out(command, fields, step.fields);
       co_return left;
     }
@@ -188,17 +194,23 @@ awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector
 awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vector<Field>& fields, bool left_by_rpdo) {
   const Field control = fields.front();
   for (const PendingCommand* other : stops_.all()) {
-    if (other->number > command.number && !asks_control(*other, control.raw)) {
-      node_.hurry_stop(command.stop_limit, other->deadline);
-      node_.hurry_stop(command.read_limit, other->deadline);
+    if (other->number > command.number) {
+      hurry(command, *other, asks_control(*other, control.raw));
+    }
+  }
+  const bool pdo_only = model_.signals[control.signal].pdo_only && !refuse_unreachable();
+  if (pdo_only) {
+    const Result<void> left = co_await complete_by_reading(command, fields);
+    // Nothing is left untried where it cannot be completed: whoever says so of the drive may be wrong.
+    if (!left.has_error() || left.error().kind != ErrorKind::incomplete) {
+      co_return left;
     }
   }
   const Result<void> written = co_await send_sdo(command, control, true);
   if (written.has_value()) {
     take_out(command, fields, {{control}});
-    co_return written;
   }
-  if (written.error().kind != ErrorKind::refused || refuse_unreachable()) {
+  if (written.has_value() || written.error().kind != ErrorKind::refused || refuse_unreachable()) {
     co_return written;
   }
   if (left_by_rpdo && takes_no_sdo(written.error())) {
@@ -206,6 +218,9 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
     const std::vector<Field> sent = fields_of(commanded_, commanded_.rpdo_of(control.signal), fields);
     take_out(command, fields, sent);
     co_return Result<void>();
+  }
+  if (pdo_only) {
+    co_return explain(written.error(), control.signal);
   }
   const Result<void> left = co_await complete_by_reading(command, fields);
   const bool never_sent = left.has_error() && left.error().kind == ErrorKind::incomplete;
@@ -258,6 +273,9 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
   const Error incomplete{.kind = ErrorKind::incomplete};
   if (!missing) {
     co_return incomplete;
+  }
+  if (Refusal refused = refuse_superfluous(command)) {
+    co_return *std::move(refused);
   }
   std::vector<Field> borrowed;
   for (const SignalId signal : *missing) {

@@ -81,8 +81,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   }
   /// A command that a bridge refuses by itself: noted as one, and what is to be told. The writer, and before access,
   /// type and range the lease, go before `mistake`, unless that is `retained`.
-  Outcome refuse(Origin origin, canopen::Error mistake) {
-    return commands_.refuse(std::move(origin), std::move(mistake));
+  Outcome refuse(Origin origin, CommandRecord::Kind kind, canopen::Error mistake) {
+    return commands_.refuse(std::move(origin), kind, std::move(mistake));
   }
 
   /// A command with these fields is a stop: nothing may keep it waiting. Where none of them changes bits alone (Mask),

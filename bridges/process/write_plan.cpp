@@ -68,6 +68,14 @@ WriteStep next_step(const Commanded& commanded, std::span<const Field> remaining
   return last;
 }
 
+std::optional<SignalId> first_unsendable(const config::Drive& model, const Commanded& commanded,
+                                         std::span<const Field> remaining) {
+  const auto found = std::find_if(remaining.begin(), remaining.end(), [&](const Field& field) {
+    return model.signals[field.signal].pdo_only && rpdo_step(commanded, field, remaining).fields.empty();
+  });
+  return found == remaining.end() ? std::nullopt : std::optional(found->signal);
+}
+
 std::vector<Field> fields_of(const Commanded& commanded, std::uint16_t rpdo, std::span<const Field> fields) {
   std::vector<Field> found;
   std::copy_if(fields.begin(), fields.end(), std::back_inserter(found),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,10 @@ struct WriteStep {
 /// The next step of writing `remaining` (not empty, in writing order): an RPDO where these fields complete it, else the
 /// first by SDO; what writes the control command comes last.
 [[nodiscard]] WriteStep next_step(const Commanded& commanded, std::span<const Field> remaining);
+
+/// The first of `remaining` that its RPDO alone can carry, and does not: these fields do not complete it.
+[[nodiscard]] std::optional<SignalId> first_unsendable(const config::Drive& model, const Commanded& commanded,
+                                                       std::span<const Field> remaining);
 
 /// Those of `fields` that RPDO `rpdo` maps.
 [[nodiscard]] std::vector<Field> fields_of(const Commanded& commanded, std::uint16_t rpdo,

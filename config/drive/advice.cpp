@@ -101,6 +101,32 @@ void advise_on_stops(const DriveDraft& draft) {
   }
 }
 
+/// A drive that takes its control command in an RPDO alone can be stopped by one register only where what stands beside
+/// it is known, or can be read.
+void advise_on_single_stops(const DriveDraft& draft) {
+  const auto control = draft.drive.find("control_command");
+  if (!control.has_value() || !draft.drive.signals[*control].pdo_only ||
+      draft.drive.signals[*control].source.kind != SourceKind::rpdo) {  // an error of its own
+    return;
+  }
+  const std::string rpdo = to_text(draft.drive.signals[*control].source);
+  std::string beside;
+  for (const Signal& signal : draft.drive.signals) {
+    if (signal.name != "control_command" && !signal.derived && signal.source == draft.drive.signals[*control].source) {
+      beside += (beside.empty() ? "" : ", ") + signal.name;
+    }
+  }
+  if (!beside.empty()) {
+    draft.warning(in_the_site(place_of(*draft.signals[*control].said, "pdo_only"), draft.site.place),
+                  "takes control_command in " + rpdo + " alone, beside " + beside +
+                      ", so a stop that is written by itself, and a stop for all, may not reach it: after a start of "
+                      "the gateway or of the drive only where the drive lets the others be read. One request that "
+                      "writes all of them stops it (Modbus function 16, or set). Where nobody commands the others, "
+                      "list them in " +
+                      rpdo + ".unused");
+  }
+}
+
 void advise_on_setpoints(const DriveDraft& draft) {
   for (const SignalDraft& each : draft.signals) {
     const Signal& signal = each.signal;
@@ -238,6 +264,7 @@ void advise(DriveDraft& draft) {
   advise_on_writers(draft);
   advise_on_supervision(draft);
   advise_on_stops(draft);
+  advise_on_single_stops(draft);
   advise_on_deadline(draft);
   advise_on_setpoints(draft);
   advise_on_rpdos(draft);

@@ -66,6 +66,13 @@ PdoDraft* choose(DriveDraft& draft, const SignalDraft& signal) {
 void connect(DriveDraft& draft, SignalDraft& draft_signal) {
   Signal& signal = draft_signal.signal;
   PdoDraft* const pdo = choose(draft, draft_signal);
+  if (signal.pdo_only && (pdo == nullptr || !pdo->said->name.starts_with("rpdo"))) {
+    draft.error(
+        place_of(*draft_signal.said, "pdo_only", {"source", "access"}),
+        "signal \"" + signal.name +
+            "\" is pdo_only, but goes out in no RPDO, so nothing could write it; leave pdo_only out, or map it");
+    return;
+  }
   if (pdo == nullptr) {
     return;
   }

@@ -189,6 +189,10 @@ const SectionOf<SignalKeys>& signal_section() {
              "A value that goes out in an RPDO is `write`."),
        Field("source", &Self::source, text(), "`\"tpdo1\"`, `\"rpdo1\"`, `\"sdo\"`.")
            .unset("the PDO that maps it, else `sdo`"),
+       Field("pdo_only", plain(&Signal::pdo_only), boolean(),
+             "The drive takes it in its RPDO alone, so it is not tried by SDO: a write that does not complete the RPDO "
+             "is "
+             "`incomplete`."),
        Field("min", plain(&Signal::min), number(), "Least value that may be commanded.").unset("none"),
        Field("max", plain(&Signal::max), number(), "Greatest value that may be commanded.").unset("none"),
        Field("values", plain(&Signal::values), numbered_texts(std::numeric_limits<std::int64_t>::min(), kMaxInteger),

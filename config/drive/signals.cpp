@@ -70,7 +70,7 @@ class SignalTaker {
 
   bool take_derived() {
     refuse({"object", "type", "scale", "source", "min", "max", "values", "momentary", "momentary_mask", "stop",
-            "stop_masks", "edge", "as", "poll", "unit", "deadband", "publish_mask"},
+            "stop_masks", "edge", "pdo_only", "as", "poll", "unit", "deadband", "publish_mask"},
            "has no meaning beside from");
     if (signal_.access != Access::read) {
       error("access", "is read out of another one and cannot be written");

@@ -32,8 +32,10 @@ std::string no_drive(const Asked& asked) {
   return refusal(asked.id, {.kind = ErrorKind::unknown, .detail = "no drive \"" + asked.request.drive + "\""});
 }
 
-std::string refused(const Asked& asked, Drive& drive, const Error& error) {
-  return told_outcome(asked.id, drive.refuse(origin_of(asked), error));
+using Kind = process::CommandRecord::Kind;
+
+std::string refused(const Asked& asked, Drive& drive, Kind kind, const Error& error) {
+  return told_outcome(asked.id, drive.refuse(origin_of(asked), kind, error));
 }
 
 Scalar text(const std::string& characters) {
@@ -90,6 +92,7 @@ awaitable<std::string> stop_all_the_same(Drive& drive, Asked asked, std::vector<
   if (outcome.has_error()) {
     co_return refusal(asked.id, outcome.error());
   }
+  (void)drive.refuse(origin_of(asked), Kind::write, wrong);  // beside the stop, which has lines of its own
   wrong.detail += "; nothing but the stop was sent, and it was confirmed";
   co_return refusal(asked.id, wrong);
 }
@@ -103,7 +106,7 @@ awaitable<std::string> set(Plant& plant, Asked asked) {
   if (fields.has_error()) {
     std::vector<process::FieldWrite> stop = stop_among(*drive, asked.request.values);
     if (stop.empty()) {
-      co_return refused(asked, *drive, fields.error());
+      co_return refused(asked, *drive, Kind::write, fields.error());
     }
     std::string told = co_await stop_all_the_same(*drive, std::move(asked), std::move(stop), fields.error());
     co_return told;
@@ -120,7 +123,7 @@ awaitable<std::string> nmt(Plant& plant, Asked asked) {
   }
   const Result<canopen::NmtCommand> command = mqtt::nmt_command_of({{"value", text(asked.request.command)}});
   if (command.has_error()) {
-    co_return refused(asked, *drive, command.error());
+    co_return refused(asked, *drive, Kind::nmt, command.error());
   }
   process::Origin origin = origin_of(asked);
   const process::Outcome outcome = co_await drive->nmt(std::move(origin), command.value());
@@ -135,7 +138,7 @@ awaitable<std::string> sdo(Plant& plant, Asked asked) {
   const Result<mqtt::SdoRequest> request = sdo_request_of(drive->model(), asked.request);
   if (asked.request.op == Op::sdo_write) {
     if (request.has_error()) {
-      co_return refused(asked, *drive, request.error());
+      co_return refused(asked, *drive, Kind::raw, request.error());
     }
     const mqtt::SdoRequest& write = request.value();
     process::Origin origin = origin_of(asked);

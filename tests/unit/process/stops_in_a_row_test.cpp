@@ -195,6 +195,25 @@ TEST_F(StopsInARowTest, TwoEqualOnesAreConfirmedByADriveThatAnswersLate) {
   }
 }
 
+TEST_F(StopsInARowTest, NorForAnEqualOneWhoseTurnComesWhileItWaits) {
+  start_motor();
+  slave_.mute(test::kControl);
+  const Sent first = stop_with(kOtherStop);
+  run(10ms);
+  const Sent second =
+      write_by(origin(Writer::Way::mqtt), {field("control_command", kStop), field("frequency_command", 10.0)});
+  const Sent third = stop_by(Writer::Way::modbus);
+  expect_written_within(kStop, kPatience);
+  ASSERT_EQ(times_written(kStop), 1);
+  Duration passed{};
+  for (; passed <= kPatience && times_written(kStop) == 1; passed += 1ms) {
+    run(1ms);
+  }
+  EXPECT_LE(passed, kPatience) << "the third one";
+  run(2s);
+  EXPECT_TRUE(first.done() && second.done() && third.done());
+}
+
 TEST_F(StopsInARowTest, AnEqualOneThatIsNotConfirmedConfirmsNone) {
   start_motor();
   slave_.mute(test::kControl);

@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "bridges/process/answer.h"
+#include "bridges/process/command_journal.h"
+#include "tests/unit/modbus/site.h"
+
+// What Modbus refuses by itself was asked for all the same: the drive's journal has it.
+
+namespace {
+
+using modbus_test::example_model;
+using modbus_test::Site;
+using Kind = process::CommandRecord::Kind;
+
+class Lines final : public process::CommandJournal {
+ public:
+  boost::asio::awaitable<void> begun(const process::CommandRecord&) override { co_return; }
+  void done(const process::CommandRecord& record, const process::Outcome& outcome) override {
+    kinds.push_back(record.kind);
+    told.push_back(record.writer.address + ": " +
+                   (outcome.has_value() ? "ok"
+                                        : std::string(process::answer_of(outcome.error().kind).mqtt_code) + ", " +
+                                              outcome.error().detail));
+  }
+
+  std::vector<Kind> kinds;
+  std::vector<std::string> told;
+};
+
+class RefusedWrites : public testing::Test {
+ protected:
+  explicit RefusedWrites(config::Model model = example_model()) : site_(std::move(model)) {
+    site_.plant().drive(0).set_journal(&lines_);
+    site_.bring_up();
+  }
+  ~RefusedWrites() override { site_.plant().drive(0).set_journal(nullptr); }
+  std::string ask(std::string_view pdu) { return site_.ask(pdu); }
+
+  Lines lines_;
+  Site site_;
+};
+
+TEST_F(RefusedWrites, AnAddressThatTakesNoValueIsNoted) {
+  EXPECT_EQ(ask("06 0000 0001"), "86 02");
+  EXPECT_EQ(ask("10 03e7 0002 04 00010002"), "90 02");
+  EXPECT_EQ(lines_.told,
+            (std::vector<std::string>{
+                "127.0.0.1: read-only, register 0 is not there, not all of a value, or read only",
+                "127.0.0.1: read-only, register 999 to 1000 is not there, not all of a value, or read only",
+            }));
+  EXPECT_EQ(lines_.kinds, (std::vector<Kind>{Kind::write, Kind::write}));
+}
+
+TEST_F(RefusedWrites, ANumberThatIsNoNmtCommandIsNoted) {
+  EXPECT_EQ(ask("06 03fc 0007"), "86 03");
+  EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: type, no number of an NMT command"});
+  EXPECT_EQ(lines_.kinds, std::vector<Kind>{Kind::nmt});
+}
+
+TEST_F(RefusedWrites, AWriteWhoseReadPartFailsIsNoted) {
+  EXPECT_EQ(ask("17 2710 0001 012c 0001 02 1388"), "97 02");
+  EXPECT_EQ(lines_.told,
+            std::vector<std::string>{
+                "127.0.0.1: incomplete, what function 23 was to read cannot be read, so nothing was written"});
+  EXPECT_TRUE(site_.puppet().written.empty());
+}
+
+TEST_F(RefusedWrites, AReadIsNoCommand) {
+  EXPECT_EQ(ask("03 2710 0001"), "83 02");
+  EXPECT_TRUE(lines_.told.empty());
+}
+
+class RefusedClients : public RefusedWrites {
+ protected:
+  static config::Model with_another_client() {
+    config::Model model = example_model();
+    model.modbus->write_from = {{"192.0.2.7", 32}};
+    return model;
+  }
+  RefusedClients() : RefusedWrites(with_another_client()) {}
+};
+
+TEST_F(RefusedClients, AClientThatMayNotWriteIsNoted) {
+  EXPECT_EQ(ask("06 012c 1388"), "86 01");
+  EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: forbidden, [modbus] write_from does not name it"});
+  EXPECT_TRUE(site_.puppet().written.empty());
+}
+
+}  // namespace
