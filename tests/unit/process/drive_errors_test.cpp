@@ -202,5 +202,17 @@ TEST_F(DriveErrorsTest, AnErrorRegisterThatDoesNotAnswerTakesLittleOfTheDrivesSd
   expect_emcy(false, 4);
 }
 
+TEST_F(DriveErrorsTest, ALongBootIsWaitedForBeforeAlarmsCountAsOver) {
+  model_.node.sdo.timeout = 40s;
+  slave_.mute_sdo(true);
+  start();
+  slave_.boot_up();
+  run(30s);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::boot).known) << "nobody knows how it ends";
+  slave_.boot_up();
+  run(2s);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::boot).known) << "it restarts, and may do so for ever";
+}
+
 }  // namespace
 }  // namespace process
