@@ -170,11 +170,6 @@ void Drive::on_stale(SourceId source) {
   tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
 }
 
-void Drive::on_watch_failed(SourceId source) {
-  tell_stale_bit(fault_, config::Severity::fault, source);
-  tell_stale_bit(warning_, config::Severity::warning, source);
-}
-
 void Drive::on_presence(SourceId source) {
   const std::vector<SignalId>& signals = inputs_.plans()[source].signals;
   tell([&](Observer& observer) { observer.on_freshness(*this, signals); });
