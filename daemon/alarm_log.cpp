@@ -93,6 +93,15 @@ void AlarmLog::tell_due() {
   }
 }
 
+void AlarmLog::finish() {
+  next_.cancel();
+  for (std::size_t i = 0; i < subjects_.size(); ++i) {
+    if (subjects_[i].pace.next() != canopen::kNever) {
+      tell(i);
+    }
+  }
+}
+
 void AlarmLog::tell(std::size_t subject) {
   Subject& told = subjects_[subject];
   told.pace.told(canopen::Clock::now());

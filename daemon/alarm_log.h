@@ -32,6 +32,8 @@ class AlarmLog {
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind);
   /// Its state, or its alarm.
   void on_bus(std::size_t bus);
+  /// The end: what is held back is written now.
+  void finish();
 
  private:
   struct Line {

@@ -156,6 +156,7 @@ boost::asio::awaitable<void> Gateway::stop() {
   for (BusInUse& in_use : buses_) {
     co_await in_use.bus->stop();
   }
+  event_log_.finish();
   if (kept_alarms_) {
     co_await kept_alarms_->stop();
   }

@@ -47,7 +47,7 @@ struct Alarm {
   std::uint8_t error_register = 0;
   std::array<std::uint8_t, 5> vendor{};
   canopen::WallTime since{};    ///< When it became active.
-  canopen::WallTime ts{};       ///< Of its last change.
+  canopen::WallTime ts{};       ///< Of its last change; `confirmed` alone is none.
   canopen::WallTime cleared{};  ///< When it became inactive; zero before it ever did.
   std::uint32_t count = 0;      ///< Activations.
   bool confirmed = true;        ///< False while the drive cannot tell whether it still holds.

@@ -131,6 +131,7 @@ void AlarmKeeper::on_written(const MemoryFile::Failure& failure) {
     trouble_.is_over("alarms are kept again in " + directory_.string());
   } else if (stopping_) {
     due_ = kNever;
+    told_(*failure + "; the last changes of alarms are not kept");
   } else {
     trouble_.stands(*failure + "; alarms are not kept meanwhile", now);
     due_ = std::min(due_, now);
@@ -149,6 +150,9 @@ boost::asio::awaitable<void> AlarmKeeper::stop() {
   }
   while ((worker_.busy() || due_ != kNever) && Clock::now() < until) {
     co_await progress_.wait_until(until);
+  }
+  if (worker_.busy() || due_ != kNever) {
+    told_(directory_.string() + " does not answer; the last changes of alarms are not kept");
   }
   snapshot_ = nullptr;
   time_.cancel();

@@ -63,7 +63,10 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
   if (alarm_ == before) {
     return false;
   }
-  if (before.known || alarm_.active) {  // That there is none is no change: it only became known.
+  Alarm same = before;
+  same.confirmed = alarm_.confirmed;
+  // Whether it can be told is no change of it; nor is that there is none: it only became known.
+  if (alarm_ != same && (before.known || alarm_.active)) {
     alarm_.ts = now;
   }
   return true;

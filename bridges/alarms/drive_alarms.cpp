@@ -20,6 +20,12 @@ bool outlives_absence(std::string_view data_reason) {
          data_reason == name_of(DataReason::emcy_moved);
 }
 
+// Somebody may write `control_command`, now or when the drive is back.
+bool can_be_commanded(const config::Drive& model) {
+  const std::optional<std::size_t> control = model.find("control_command");
+  return control && config::writable(model.signals[*control].access) && model.commands.writers.any();
+}
+
 std::string heartbeat_text(const config::Drive& model, const canopen::NodeStatus& status) {
   const auto timeout =
       std::chrono::duration_cast<std::chrono::milliseconds>(model.node.error_control.heartbeat_timeout).count();
@@ -45,9 +51,7 @@ DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed, const NewI
       errors_(model),
       records_{AlarmRecord(new_id), AlarmRecord(new_id), AlarmRecord(new_id), AlarmRecord(new_id),
                AlarmRecord(new_id)} {
-  decide(AlarmKind::control);
-  record(AlarmKind::control).show(false, {}, {}, severity_of(AlarmKind::control), {});
-  if (!model.enabled) {  // Nothing of it will ever be learnt, so nothing is waited for.
+  if (!model_.enabled) {  // Nothing of it will ever be learnt, so nothing is waited for.
     decided_.set();
     for (const AlarmKind kind : kAlarmKinds) {
       record(kind).show({}, 0, kind != AlarmKind::emcy, {});
@@ -63,8 +67,8 @@ void DriveAlarms::restore(AlarmKind kind, const Alarm& before) {
   if (kind == AlarmKind::emcy) {
     errors_.restore(before);
   }
-  if (kind == AlarmKind::control && before.active) {
-    decided_.reset(static_cast<std::size_t>(kind));
+  if (kind == AlarmKind::control) {
+    awaits_command_ = before.active && can_be_commanded(model_);
   }
   if (before.active) {
     changed_(kind);
@@ -129,7 +133,8 @@ void DriveAlarms::on_boot_up(canopen::TimePoint at, canopen::WallTime wall) {
 
 void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime wall) {
   errors_.on_online(status.online);
-  if (tells_its_state(status)) {
+  const bool told = tells_its_state(status);
+  if (told) {
     decide(AlarmKind::heartbeat);
     decide(AlarmKind::boot);
     if (!status.online) {
@@ -145,6 +150,9 @@ void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime
   show(AlarmKind::boot, is_letter(status.boot_result) || !status.boot_text.empty(), boot_reason(status),
        boot_text(status), wall);
   show_data(wall);
+  if (told && !awaits_command_) {
+    end_control(wall);
+  }
 }
 
 void DriveAlarms::on_data_problems(const std::vector<DataProblem>& problems, canopen::WallTime wall) {

@@ -30,7 +30,9 @@ namespace alarms {
 ///  - emcy: as ErrorList says; without memory when the drive was asked for its errors, or found missing;
 ///  - heartbeat, boot: when the drive was booted, taken over, or found missing or not bootable;
 ///  - data: when all that the drive is to send came, or it is found not to be operational;
-///  - control: by the next command that writes `control_command`; without memory there is nothing to wait for.
+///  - control: as heartbeat and boot; but where it was active, and the drive can be commanded at all, by the next
+///  command
+///    that writes `control_command`.
 class DriveAlarms {
  public:
   using Changed = std::function<void(AlarmKind kind)>;
@@ -100,8 +102,9 @@ class DriveAlarms {
   ErrorList errors_;
   std::array<AlarmRecord, kAlarmKinds.size()> records_;
   std::bitset<kAlarmKinds.size()> decided_;
-  bool asked_ = false;     ///< For its errors, since our start.
-  bool bit_told_ = false;  ///< A fault or warning bit was received.
+  bool awaits_command_ = false;  ///< Memory holds `control` active: a command ends it.
+  bool asked_ = false;           ///< For its errors, since our start.
+  bool bit_told_ = false;        ///< A fault or warning bit was received.
   std::string_view data_reason_;
   std::string data_;  ///< What is wrong with values and emergencies, as last told.
 };

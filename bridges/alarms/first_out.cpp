@@ -12,6 +12,7 @@ void FirstOut::on_fault(const FaultSource& source, canopen::TimePoint at, bool f
   if (!first) {
     ++own.activation;  // What older groups gave it, its alarm does not show any more.
     own.firsts = 0;
+    own.begun = at;
   } else if (own.firsts == 0) {
     own.firsts = 1;  // From before our start.
   }
@@ -52,6 +53,7 @@ void FirstOut::join(Groups::iterator group, const FaultSource& source, canopen::
     group->end = next->end;
     groups_.erase(next);
   }
+  renew(*group);
   tell(replaced);
   tell(merged.value_or(source));
   tell(source);
@@ -76,6 +78,13 @@ void FirstOut::take(const Group& group) {
   Shown& shown = shown_[group.first];
   if (shown.activation == group.activation && shown.firsts > 0) {
     --shown.firsts;
+  }
+}
+
+void FirstOut::renew(Group& group) {
+  const Shown& shown = shown_[group.first];
+  if (shown.activation != group.activation && shown.begun >= group.begin && shown.begun <= group.end) {
+    give(group, FaultSource(group.first));
   }
 }
 

@@ -27,6 +27,7 @@ struct FaultSource {
 ///
 /// Frames of two buses may be handled in another order than they came: an earlier fault that is told later takes the
 /// flag from the one that had it, and one that closes the gap between two groups takes it from the first of the later.
+/// A source that is first of its group and trips again within it stays first: its own fault before is no other's.
 /// Warnings are not told to it.
 class FirstOut {
  public:
@@ -57,6 +58,7 @@ class FirstOut {
     std::uint32_t activation = 0;  ///< Counts those that were told.
     std::uint32_t firsts = 0;      ///< Groups that the present one is first of.
     bool told = false;
+    canopen::TimePoint begun{};  ///< Of the present activation.
   };
 
   using Groups = std::vector<Group>;
@@ -65,6 +67,8 @@ class FirstOut {
   void join(Groups::iterator group, const FaultSource& source, canopen::TimePoint at);
   void give(Group& group, const FaultSource& source);
   void take(const Group& group);
+  /// The present activation of its first, where that began within it.
+  void renew(Group& group);
   void tell(const FaultSource& source);
 
   Changed changed_;

@@ -7,13 +7,16 @@
 namespace alarms {
 
 /// When 0x1001 is to be read while an error is undecided: every second for a minute, then every 10 s. The minute starts
-/// again with a new emergency, and with a further undecided error.
+/// again with a new emergency, and with a further undecided error. A drive that does not answer is asked every 10 s
+/// only, until it does: each attempt keeps its SDO channel through all tries.
 class RegisterWatch {
  public:
   /// An emergency came. The first reading after it waits a second: the register may follow the frame.
   void on_emergency(canopen::TimePoint at) noexcept;
-  /// 0x1001 answered, or did not: the next attempt counts from here.
-  void on_read(canopen::TimePoint at) noexcept;
+  /// 0x1001 was asked for; `answered`: by a value or a refusal. The next attempt counts from here.
+  void on_read(canopen::TimePoint at, bool answered) noexcept;
+  /// The drive went away: another answers, perhaps.
+  void forget_silence() noexcept { silent_ = false; }
 
   /// `undecided_since`: when the last of the undecided errors became so; nothing: none is. canopen::kNever: not at all.
   [[nodiscard]] canopen::TimePoint next(std::optional<canopen::TimePoint> undecided_since) const noexcept;
@@ -22,6 +25,7 @@ class RegisterWatch {
   std::optional<canopen::TimePoint> emergency_;
   std::optional<canopen::TimePoint> waits_from_;  ///< The first emergency after the last reading.
   std::optional<canopen::TimePoint> read_;
+  bool silent_ = false;  ///< The last attempt had no answer.
 };
 
 }  // namespace alarms

@@ -3,11 +3,12 @@
 namespace disk {
 
 void Trouble::stands(const std::string& what, canopen::TimePoint now) {
-  if (what == standing_ || now < next_) {
+  std::erase_if(when_, [now](const auto& told) { return now >= told.second + std::chrono::minutes(1); });
+  if (what == standing_ || when_.contains(what)) {
     return;
   }
   standing_ = what;
-  next_ = now + std::chrono::minutes(1);
+  when_.emplace(what, now);
   told_(what);
 }
 

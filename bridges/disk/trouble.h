@@ -1,14 +1,15 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 
 #include "canopen/clock.h"
 
 namespace disk {
 
-/// Tells of something that does not work: at its begin, when it becomes something else, at its end; and nothing more
-/// often than once a minute.
+/// Tells of something that does not work: at its begin, when it becomes something else, at its end; and no text of
+/// these but the end more often than once a minute.
 class Trouble {
  public:
   using Told = std::function<void(const std::string&)>;
@@ -21,8 +22,8 @@ class Trouble {
 
  private:
   Told told_;
-  std::string standing_;  ///< As it was told; empty: nothing was.
-  canopen::TimePoint next_ = canopen::TimePoint::min();
+  std::string standing_;                            ///< As it was told; empty: nothing was.
+  std::map<std::string, canopen::TimePoint> when_;  ///< Told within the last minute.
 };
 
 }  // namespace disk

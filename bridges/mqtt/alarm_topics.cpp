@@ -65,14 +65,16 @@ canopen::TimePoint AlarmTopics::collect(canopen::TimePoint now, std::vector<Mess
 
 void AlarmTopics::collect_last(std::vector<Message>& out) {
   for (Entry& entry : entries_) {
-    if (const canopen::TimePoint due = entry.kept.next(); due != canopen::kNever) {
+    // A change may turn out to be none while the topic is still to be put right.
+    for (canopen::TimePoint due = entry.kept.next(); due != canopen::kNever; due = entry.kept.next()) {
       collect(entry, due, out);
     }
   }
 }
 
-void AlarmTopics::collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out) const {
-  if (entry.alarm != nullptr && !entry.alarm->known) {
+void AlarmTopics::collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out) {
+  const bool known = entry.alarm != nullptr ? entry.alarm->known : list_is_known();
+  if (!known) {
     entry.kept.withhold();
     return;
   }
@@ -80,6 +82,16 @@ void AlarmTopics::collect(Entry& entry, canopen::TimePoint now, std::vector<Mess
   if (entry.kept.offer(word, now)) {
     out.push_back({.topic = *entry.topic, .payload = std::move(word), .kind = MessageKind::alarm});
   }
+}
+
+// An empty list would say that nothing is wrong before anybody knows.
+bool AlarmTopics::list_is_known() {
+  const auto active = [](const Entry& entry) {
+    return entry.alarm != nullptr && entry.alarm->known && entry.alarm->active;
+  };
+  const auto known = [](const Entry& entry) { return entry.alarm == nullptr || entry.alarm->known; };
+  list_known_ = list_known_ || std::ranges::any_of(entries_, active) || std::ranges::all_of(entries_, known);
+  return list_known_;
 }
 
 std::string AlarmTopics::list() const {

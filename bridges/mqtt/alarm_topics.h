@@ -15,7 +15,8 @@
 namespace mqtt {
 
 /// The topics of all alarms, and the list of those that are active. Each is published when it changed, paced by
-/// alarms::AlarmPace; put right where somebody else wrote there; left as it is while its alarm is not known. The marks
+/// alarms::AlarmPace; put right where somebody else wrote there; left as it is while its alarm is not known, the list
+/// while none is active and not all are known. The marks
 /// return when to come to collect(); kNever where nothing is due.
 class AlarmTopics {
  public:
@@ -43,10 +44,13 @@ class AlarmTopics {
 
   void add(const std::string& topic, const alarms::Alarm* alarm);
   canopen::TimePoint mark(std::size_t position, canopen::TimePoint now);
-  void collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out) const;
+  void collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out);
   [[nodiscard]] std::string list() const;
+  /// All alarms are known, or one of them is or was known to be active.
+  [[nodiscard]] bool list_is_known();
 
   const process::Plant& plant_;
+  bool list_known_ = false;
   std::vector<Entry> entries_;  ///< Kinds of the first drive, of the next ...; buses; the list.
   std::unordered_map<std::string_view, std::size_t> positions_;  ///< By topic.
 };

@@ -7,6 +7,7 @@ namespace mqtt {
 
 void KeptTopic::forget() {
   announce_ = true;
+  withheld_ = false;
   word_.reset();
   wrong_ = canopen::kNever;
 }
@@ -34,7 +35,8 @@ canopen::TimePoint KeptTopic::next() const {
 bool KeptTopic::offer(const std::string& word, canopen::TimePoint now) {
   announce_ = false;
   const bool puts_right = wrong_ <= now;
-  const bool changed = word_ && word_ != word;
+  const bool changed = word_ ? word_ != word : withheld_;  // What was left as it is becomes ours: a change.
+  withheld_ = false;
   if (word_ && !changed && !puts_right) {
     pace_.drop();
     return false;
@@ -43,7 +45,7 @@ bool KeptTopic::offer(const std::string& word, canopen::TimePoint now) {
     put_right_ = now;
   }
   if (changed) {
-    older_ = std::move(word_);
+    older_ = std::exchange(word_, std::nullopt);
     pace_.told(now);
   } else {
     pace_.drop();  // to say a word again holds back no change of it
@@ -55,6 +57,8 @@ bool KeptTopic::offer(const std::string& word, canopen::TimePoint now) {
 
 void KeptTopic::withhold() {
   announce_ = false;
+  withheld_ = true;
+  wrong_ = canopen::kNever;
   pace_.drop();
 }
 

@@ -36,6 +36,7 @@ class KeptTopic {
  private:
   alarms::AlarmPace pace_;
   bool announce_ = true;
+  bool withheld_ = false;                       ///< On this connection, and no word since.
   std::optional<std::string> word_;             ///< As published on this connection.
   std::optional<std::string> older_;            ///< The one that was published before it.
   canopen::TimePoint wrong_ = canopen::kNever;  ///< When it is to be put right.

@@ -25,7 +25,7 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
                 inputs_.expire(node_.heard_until());
                 arm_expiry();
               }),
-      settling_(executor, model, image_, alarms_),
+      settling_(executor, model, node_, image_, alarms_),
       fault_(indicator(model.faults.fault)),
       warning_(indicator(model.faults.warning)),
       running_(indicator(model.faults.running)),

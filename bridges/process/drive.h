@@ -125,6 +125,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   // Inputs::Listener
   void on_values(SourceId source) override;
   void on_stale(SourceId source) override;
+  void on_watch_failed(SourceId source) override;
   void on_presence(SourceId source) override;
   void on_problems() override;
   void on_remark(const std::string& text) override;  ///< Of both.

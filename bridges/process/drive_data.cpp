@@ -26,4 +26,9 @@ void Drive::on_emcy_checked(const canopen::EmcyVerdict& verdict) {
   on_problems();
 }
 
+void Drive::on_watch_failed(SourceId source) {
+  tell_stale_bit(fault_, config::Severity::fault, source);
+  tell_stale_bit(warning_, config::Severity::warning, source);
+}
+
 }  // namespace process

@@ -41,6 +41,8 @@ class Inputs {
     virtual void on_values(SourceId source) = 0;
     /// This source is not fresh any more.
     virtual void on_stale(SourceId source) = 0;
+    /// The objects of a TPDO under watch() could not be read: nobody knows its next value, fresh as its last one is.
+    virtual void on_watch_failed(SourceId source) = 0;
     /// SourceState::absent of this source changed.
     virtual void on_presence(SourceId source) = 0;
     /// problems() changed, or examined() became true.

@@ -128,6 +128,9 @@ void Inputs::on_round_failed(SourceId source, const canopen::Error& error, TimeP
   if (reads_regularly(source) || waits_for_first) {
     feeds_[source].round.schedule_retry(at, pause_after(error, plans_[source].poll));
   }
+  if (feeds_[source].watched) {
+    listener_.on_watch_failed(source);
+  }
 }
 
 bool Inputs::reads_regularly(SourceId source) const noexcept {

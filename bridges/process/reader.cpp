@@ -12,7 +12,7 @@ namespace process {
 namespace {
 
 /// Pause before a drive that did not answer is asked for its errors again.
-constexpr canopen::Duration kCheckAgain = std::chrono::seconds(5);
+constexpr canopen::Duration kCheckAgain = std::chrono::seconds(10);
 /// Checks are no more frequent, however often frames are lost or emergencies come: polls have their turn between.
 constexpr canopen::Duration kCheckPause = std::chrono::seconds(1);
 
@@ -54,6 +54,7 @@ void Reader::check_errors() {
 void Reader::forget_errors() {
   check_at_ = canopen::TimePoint::max();
   not_before_ = canopen::TimePoint::min();
+  watch_.forget_silence();
 }
 
 void Reader::watch_errors() {
@@ -89,7 +90,7 @@ boost::asio::awaitable<void> Reader::read_errors() {
     co_return;
   }
   const canopen::TimePoint now = canopen::Clock::now();
-  watch_.on_read(now);
+  watch_.on_read(now, !check.again);
   if (alarms_.error_list().received() != emergencies) {
     // An emergency came meanwhile, which these answers may not know of.
     check_at_ = std::min(check_at_, std::max(now, not_before_));
@@ -106,7 +107,7 @@ boost::asio::awaitable<void> Reader::read_error_register() {
   const std::uint32_t emergencies = alarms_.error_list().received();
   const ErrorCheck check = co_await check_error_register(node_);
   const canopen::TimePoint now = canopen::Clock::now();
-  watch_.on_read(now);
+  watch_.on_read(now, !check.again);
   if (stopping_ || !node_.status().online || alarms_.error_list().received() != emergencies) {
     co_return;
   }

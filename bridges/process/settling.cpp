@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "canopen/node/remote_node.h"
+
 namespace process {
 namespace {
 
@@ -11,20 +13,31 @@ canopen::Duration patience_of(const config::Drive& drive) {
   return std::chrono::seconds(10) + 3 * drive.node.error_control.heartbeat_timeout;
 }
 
+/// How often it is looked whether a boot goes on that the patience waits for.
+constexpr canopen::Duration kLook = std::chrono::seconds(1);
+
 /// What is not received this long after the drive became operational is told as missing, or is nothing to wait for.
 constexpr canopen::Duration kSettles = std::chrono::seconds(10);
 
 }  // namespace
 
-Settling::Settling(const boost::asio::any_io_executor& executor, const config::Drive& model, const Image& image,
-                   alarms::DriveAlarms& alarms)
-    : model_(model),
-      image_(image),
-      alarms_(alarms),
-      patience_(executor, [this] { alarms_.on_patience_over(canopen::wall_now()); }) {}
+Settling::Settling(const boost::asio::any_io_executor& executor, const config::Drive& model,
+                   const canopen::RemoteNode& node, const Image& image, alarms::DriveAlarms& alarms)
+    : model_(model), node_(node), image_(image), alarms_(alarms), patience_(executor, [this] { on_patience_over(); }) {}
 
 void Settling::start() {
   patience_.arm(canopen::Clock::now() + patience_of(model_));
+}
+
+// A long boot is no silence: it ends, and tells then. One that a boot-up broke off does not.
+void Settling::on_patience_over() {
+  const std::uint16_t boot_ups = node_.status().boot_ups;
+  if (node_.arriving() && boot_ups_.value_or(boot_ups) == boot_ups) {
+    boot_ups_ = boot_ups;
+    patience_.arm(canopen::Clock::now() + kLook);
+  } else {
+    alarms_.on_patience_over(canopen::wall_now());
+  }
 }
 
 void Settling::on_status(const canopen::NodeStatus& status) {

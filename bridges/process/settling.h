@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/asio/any_io_executor.hpp>
+#include <cstdint>
 #include <optional>
 
 #include "bridges/alarms/drive_alarms.h"
@@ -10,14 +11,18 @@
 #include "canopen/wake_up.h"
 #include "config/model.h"
 
+namespace canopen {
+class RemoteNode;
+}
+
 namespace process {
 
 /// When a drive's alarms that nothing has told of count as not active, after the gateway's start.
 class Settling {
  public:
   /// All outlive it.
-  Settling(const boost::asio::any_io_executor& executor, const config::Drive& model, const Image& image,
-           alarms::DriveAlarms& alarms);
+  Settling(const boost::asio::any_io_executor& executor, const config::Drive& model, const canopen::RemoteNode& node,
+           const Image& image, alarms::DriveAlarms& alarms);
 
   void start();
   void stop() { patience_.cancel(); }
@@ -26,10 +31,14 @@ class Settling {
   void on_values(SourceId source);
 
  private:
+  void on_patience_over();
+
   const config::Drive& model_;
+  const canopen::RemoteNode& node_;
   const Image& image_;
   alarms::DriveAlarms& alarms_;
   canopen::WakeUp patience_;
+  std::optional<std::uint16_t> boot_ups_;  ///< When the patience ended beside a boot.
   std::optional<canopen::TimePoint> operational_since_;
   bool settled_ = false;
 };

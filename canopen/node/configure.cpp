@@ -98,7 +98,7 @@ boost::asio::awaitable<Failure> set_up_error_control(Procedure& procedure) {
   if (failure || control.supervise_gateway <= Duration::zero() || settings.gateway_node == 0) {
     co_return failure;
   }
-  // CiA 301 §7.5.2.17: node id in bits 16..23, time in bits 0..15.
+  // CiA 301 §7.5.2.19: node id in bits 16..23, time in bits 0..15.
   const Raw watched = (Raw{settings.gateway_node} << 16U) | milliseconds(control.supervise_gateway);
   SetupItem consumer{kConsumerHeartbeat, DataType::u32, watched, "consumer heartbeat time", SetupPolicy::write};
   co_return co_await set_up(procedure, std::move(consumer));

@@ -54,6 +54,10 @@ class RemoteNode {
 
   [[nodiscard]] const NodeSettings& settings() const noexcept { return settings_; }
   [[nodiscard]] const NodeStatus& status() const noexcept { return status_; }
+  /// It is being compared with the settings, configured or started.
+  [[nodiscard]] bool arriving() const noexcept {
+    return stage_ == Stage::inspecting || stage_ == Stage::configuring || stage_ == Stage::starting;
+  }
   /// What its bus received before this moment has been told. Behind the clock after a stall of the process, until what
   /// waited was read: nothing is overdue that may still come.
   [[nodiscard]] TimePoint heard_until() const;

@@ -40,6 +40,7 @@ class ScriptedSlave final : private canopen::LinkEvents {
   // Misbehaviour.
   void script(Script script) { script_ = std::move(script); }
   void mute(canopen::ObjectAddress object) { muted_.insert(object); }
+  void unmute(canopen::ObjectAddress object) { muted_.erase(object); }
   void mute_sdo(bool mute) { sdo_muted_ = mute; }
   void refuse_write(canopen::ObjectAddress object, std::uint32_t code) { refused_writes_[object] = code; }
   /// Writes are confirmed and change nothing.

@@ -53,6 +53,21 @@ TEST_F(AlarmsTest, AbsentErrorRegisterDecidesNothing) {
   EXPECT_FALSE(emcy_alarm().active);
 }
 
+TEST_F(AlarmsTest, ThatItIsNotConfirmedIsNoChangeOfTheAlarm) {
+  come_online();
+  emcy(0x0004);
+  const WallTime changed = emcy_alarm().ts;
+  pass(std::chrono::seconds(5));
+  go_offline();
+  EXPECT_FALSE(emcy_alarm().confirmed);
+  EXPECT_EQ(emcy_alarm().ts, changed) << "it stays as it was";
+  pass(std::chrono::seconds(5));
+  come_online();
+  EXPECT_EQ(emcy_alarm().ts, changed);
+  emcy(0x0005);
+  EXPECT_EQ(emcy_alarm().ts, wall_);
+}
+
 TEST_F(AlarmsTest, WithoutAnyWitnessTheAlarmStaysUnconfirmedUntilAnEmergency) {
   come_online();
   emcy(0x0004);

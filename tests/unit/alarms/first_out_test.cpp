@@ -72,6 +72,34 @@ TEST_F(FirstOutTest, AGroupGoesOnAsLongAsNoTwoSecondsPass) {
   EXPECT_EQ(newest(), drive(3));
 }
 
+TEST_F(FirstOutTest, TheFirstThatTripsAgainStaysFirst) {
+  begin(drive(0), 0ms);
+  begin(drive(1), 500ms);
+  begin(drive(0), 1s);
+  EXPECT_TRUE(first(drive(0))) << "as the newest group says";
+  EXPECT_EQ(newest(), drive(0));
+  begin(drive(1), 2s);
+  EXPECT_FALSE(first(drive(1)));
+}
+
+TEST_F(FirstOutTest, TheFirstThatTrippedAgainLosesTheFlagToAnEarlierOne) {
+  begin(drive(0), 1s);
+  begin(drive(0), 2s);
+  begin(drive(1), 500ms);
+  EXPECT_FALSE(first(drive(0)));
+  EXPECT_TRUE(first(drive(1)));
+  EXPECT_EQ(newest(), drive(1));
+}
+
+TEST_F(FirstOutTest, TheFirstOfTwoGroupsThatBecomeOneStaysFirst) {
+  begin(drive(0), 0ms);
+  begin(drive(0), 3s);
+  begin(drive(1), 1500ms);
+  EXPECT_TRUE(first(drive(0)));
+  EXPECT_FALSE(first(drive(1)));
+  EXPECT_EQ(newest(), drive(0));
+}
+
 TEST_F(FirstOutTest, AnotherKindOfTheSameDriveIsAnotherFault) {
   begin(drive(0, AlarmKind::heartbeat), 0ms);
   begin(drive(0), 1ms);
@@ -166,7 +194,7 @@ TEST_F(FirstOutTest, WhatAnAlarmLosesIsWhatThatGroupGaveIt) {
 TEST_F(FirstOutTest, ANewActivationHasNothingOfTheOldOne) {
   begin(drive(0), 0ms);
   begin(drive(0), 1s);
-  EXPECT_FALSE(first(drive(0))) << "another fault came within two seconds before: its own";
+  EXPECT_TRUE(first(drive(0))) << "of the group, with a flag of its own";
   EXPECT_EQ(newest(), drive(0));
   begin(drive(1), -1ms);
   EXPECT_TRUE(first(drive(1)));

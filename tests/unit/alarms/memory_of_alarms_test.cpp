@@ -70,13 +70,14 @@ class MemoryOfAlarmsTest : public AlarmsTest {
 
 TEST_F(MemoryOfAlarmsTest, WithoutMemoryNothingIsKnownAtFirst) {
   for (const AlarmKind kind : kAlarmKinds) {
-    EXPECT_EQ(alarm(kind).known, kind == AlarmKind::control) << name_of(kind);
+    EXPECT_FALSE(alarm(kind).known) << name_of(kind);
     EXPECT_FALSE(alarm(kind).active);
   }
   boot_up();
-  EXPECT_FALSE(alarm(AlarmKind::emcy).known);
-  EXPECT_FALSE(alarm(AlarmKind::heartbeat).known);
-  EXPECT_FALSE(alarm(AlarmKind::data).known);
+  alarms_->on_control(std::nullopt, wall_);
+  for (const AlarmKind kind : kAlarmKinds) {
+    EXPECT_FALSE(alarm(kind).known) << name_of(kind);
+  }
   EXPECT_TRUE(told_.empty());
 }
 
@@ -87,7 +88,7 @@ TEST_F(MemoryOfAlarmsTest, WithoutMemoryAMissingDriveDecidesAll) {
     EXPECT_EQ(alarm(kind).active, kind == AlarmKind::heartbeat) << name_of(kind);
   }
   EXPECT_FALSE(alarm(AlarmKind::emcy).confirmed);
-  EXPECT_EQ(told_, (std::vector<AlarmKind>{AlarmKind::emcy, AlarmKind::heartbeat, AlarmKind::boot, AlarmKind::data}));
+  EXPECT_EQ(told_, std::vector<AlarmKind>(kAlarmKinds.begin(), kAlarmKinds.end()));
 }
 
 TEST_F(MemoryOfAlarmsTest, WithoutMemoryADriveThatCannotBeBootedDecidesAll) {
@@ -252,6 +253,49 @@ TEST_F(MemoryOfAlarmsTest, ControlThatActsAgainGoesOn) {
   alarms_->on_control(ControlAlarm{ControlReason::timeout, "again"}, wall_);
   expect_goes_on(AlarmKind::control);
   alarms_->on_control(std::nullopt, wall_);
+  expect_ended(AlarmKind::control);
+}
+
+TEST_F(MemoryOfAlarmsTest, ControlThatWasOverIsConfirmedWhenTheDriveIsThere) {
+  alarms_->restore(AlarmKind::control, over());
+  boot_up();
+  expect_as_it_was(AlarmKind::control, over());
+  come_online();
+  Alarm confirmed = over();
+  confirmed.confirmed = true;
+  confirmed.ts = alarm(AlarmKind::control).ts;
+  EXPECT_EQ(alarm(AlarmKind::control), confirmed);
+}
+
+TEST_F(MemoryOfAlarmsTest, ControlThatWasOverIsConfirmedWhenTheDriveIsMissing) {
+  alarms_->restore(AlarmKind::control, over());
+  find_missing();
+  EXPECT_TRUE(alarm(AlarmKind::control).confirmed);
+  EXPECT_FALSE(alarm(AlarmKind::control).active);
+}
+
+TEST_F(MemoryOfAlarmsTest, WithoutMemoryControlIsKnownWhenTheDriveIsThere) {
+  come_online();
+  EXPECT_TRUE(alarm(AlarmKind::control).known);
+  EXPECT_TRUE(alarm(AlarmKind::control).confirmed);
+  EXPECT_FALSE(alarm(AlarmKind::control).active);
+}
+
+TEST_F(MemoryOfAlarmsTest, ControlOfADriveThatNobodyCanCommandAnyMoreEndsWhenItIsThere) {
+  model_.commands.writers = {};
+  build();
+  alarms_->restore(AlarmKind::control, active("no sign of life"));
+  boot_up();
+  expect_as_it_was(AlarmKind::control, active("no sign of life"));
+  come_online();
+  expect_ended(AlarmKind::control);
+}
+
+TEST_F(MemoryOfAlarmsTest, ControlOfADriveWithoutControlCommandEndsWhenItIsMissing) {
+  model_.signals.at(model_.find("control_command").value()).name = "other";
+  build();
+  alarms_->restore(AlarmKind::control, active("no sign of life"));
+  find_missing();
   expect_ended(AlarmKind::control);
 }
 

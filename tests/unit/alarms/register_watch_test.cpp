@@ -20,7 +20,7 @@ std::vector<Duration> readings(RegisterWatch& watch, TimePoint since, Duration u
   std::vector<Duration> at;
   for (TimePoint next = watch.next(since); next <= kStart + until; next = watch.next(since)) {
     at.push_back(next - kStart);
-    watch.on_read(next);
+    watch.on_read(next, true);
   }
   return at;
 }
@@ -41,6 +41,19 @@ TEST(RegisterWatch, ReadsEverySecondForAMinuteThenEveryTen) {
   EXPECT_EQ(at[60], 60s);
   EXPECT_EQ(at[61], 70s);
   EXPECT_EQ(at[64], 100s);
+}
+
+TEST(RegisterWatch, ADriveThatDoesNotAnswerIsAskedSeldom) {
+  RegisterWatch watch;
+  watch.on_read(kStart, false);
+  EXPECT_EQ(watch.next(kStart), kStart + 10s);
+  watch.on_emergency(kStart + 2s);
+  EXPECT_EQ(watch.next(kStart), kStart + 10s) << "it may chatter, and 0x1001 stay silent";
+  watch.on_read(kStart + 10s, true);
+  EXPECT_EQ(watch.next(kStart), kStart + 11s) << "it answers again";
+  watch.on_read(kStart + 11s, false);
+  watch.forget_silence();
+  EXPECT_EQ(watch.next(kStart), kStart + 12s) << "it is another life";
 }
 
 TEST(RegisterWatch, TheFirstReadingAfterAnEmergencyWaitsASecond) {
@@ -69,7 +82,7 @@ TEST(RegisterWatch, EmergenciesThatChatterDoNotPutItOff) {
   for (Duration at = 0s; at < 10s; at += 10ms) {
     watch.on_emergency(kStart + at);
     if (watch.next(kStart) <= kStart + at) {
-      watch.on_read(kStart + at);
+      watch.on_read(kStart + at, true);
       ++read;
     }
   }
@@ -79,7 +92,7 @@ TEST(RegisterWatch, EmergenciesThatChatterDoNotPutItOff) {
 
 TEST(RegisterWatch, ASlowDriveIsAskedASecondAfterItsAnswer) {
   RegisterWatch watch;
-  watch.on_read(kStart + 5s);
+  watch.on_read(kStart + 5s, true);
   EXPECT_EQ(watch.next(kStart), kStart + 6s);
 }
 

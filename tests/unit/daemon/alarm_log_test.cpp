@@ -64,6 +64,7 @@ class AlarmLogTest : public testing::Test, private process::Observer {
   Lines lines() { return std::exchange(lines_, {}); }
 
   support::HandDrivenLoop loop_;
+  std::unique_ptr<AlarmLog> log_;
   std::vector<spdlog::level::level_enum> levels_;
 
  private:
@@ -80,7 +81,6 @@ class AlarmLogTest : public testing::Test, private process::Observer {
   support::ScriptedSlave slave_{loop_.executor(), wire_, 5};
   config::Model model_;
   std::unique_ptr<process::Plant> plant_;
-  std::unique_ptr<AlarmLog> log_;
   Lines lines_;
 
   static canopen::BusSettings quiet() {
@@ -118,11 +118,21 @@ TEST_F(AlarmLogTest, AStormIsTwoLinesASecondWithTheLastStateAtTheEnd) {
   emcy(5);
   EXPECT_EQ(lines(), Lines{});
   loop_.advance(500ms);
-  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed: 0x0005 Overcurrent during deceleration"}));
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed, first: 0x0005 Overcurrent during deceleration"}));
   loop_.advance(5s);
   for (const std::string& line : lines()) {
     EXPECT_EQ(line.find("alarm emcy"), std::string::npos) << line;
   }
+}
+
+TEST_F(AlarmLogTest, AtTheEndWhatIsHeldBackIsWritten) {
+  emcy(4);
+  emcy(0);
+  EXPECT_EQ(lines().size(), 1U);
+  log_->finish();
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy over: 0x0004 Overcurrent during acceleration"}));
+  log_->finish();
+  EXPECT_EQ(lines(), Lines{});
 }
 
 TEST_F(AlarmLogTest, ActivationsBetweenTwoLinesAreCounted) {
@@ -133,7 +143,7 @@ TEST_F(AlarmLogTest, ActivationsBetweenTwoLinesAreCounted) {
   }
   ASSERT_EQ(lines().size(), 1U);
   loop_.advance(500ms);
-  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed: 0x0004 Overcurrent during acceleration "
+  EXPECT_EQ(lines(), (Lines{"pump1: alarm emcy active, not confirmed, first: 0x0004 Overcurrent during acceleration "
                             "(2 more in between)"}));
 }
 

@@ -40,6 +40,20 @@ TEST_F(KeptTopicTest, AChangeIsDueAtOnceAndTheNextOnesAreHeldBack) {
   EXPECT_EQ(topic_.next(), canopen::kNever);
 }
 
+TEST_F(KeptTopicTest, TheFirstWordAfterNoneHoldsBackTheNextOnes) {
+  topic_.withhold();
+  EXPECT_EQ(topic_.changed(start_), start_);
+  EXPECT_TRUE(topic_.offer("a", start_));
+  EXPECT_EQ(topic_.changed(start_ + 10ms), start_ + 500ms);
+}
+
+TEST_F(KeptTopicTest, WithheldNothingIsPutRight) {
+  publish("a", start_);
+  EXPECT_EQ(topic_.received("b", start_ + 1s), start_ + 1s);
+  topic_.withhold();
+  EXPECT_EQ(topic_.next(), canopen::kNever);
+}
+
 TEST_F(KeptTopicTest, WhatDidNotChangeIsNotPublishedAndHoldsNothingBack) {
   publish("a", start_ - 10s);
   EXPECT_EQ(topic_.changed(start_), start_);

@@ -173,5 +173,46 @@ TEST_F(DriveErrorsTest, AStatusWordThatDoesNotComeLeavesItToTheErrorRegister) {
   expect_emcy(false, 4);
 }
 
+TEST_F(DriveErrorsTest, AStatusWordOnChangeThatCannotBeReadLeavesItToTheErrorRegister) {
+  model_.node.tpdos[0].period = {};
+  bring_online();
+  silent_ = true;  // Nothing changes.
+  slave_.mute(test::kStatusWord);
+  hold_register(0x01);
+  emcy(0x0004, 0x01);
+  run(5s);
+  expect_emcy(true, 4);
+  EXPECT_GE(reads_within(10s), 3) << "nothing else tells";
+  hold_register(0x00);
+  run(12s);
+  expect_emcy(false, 4);
+}
+
+TEST_F(DriveErrorsTest, AnErrorRegisterThatDoesNotAnswerTakesLittleOfTheDrivesSdo) {
+  without_signals();
+  bring_online();
+  emcy(0x0004, 0x01);
+  slave_.mute(kErrorRegister);
+  run(3s);
+  EXPECT_LE(reads_within(60s), 18) << "three tries each ten seconds";
+  expect_emcy(true, 4);
+  slave_.unmute(kErrorRegister);
+  hold_register(0x00);
+  run(12s);
+  expect_emcy(false, 4);
+}
+
+TEST_F(DriveErrorsTest, ALongBootIsWaitedForBeforeAlarmsCountAsOver) {
+  model_.node.sdo.timeout = 40s;
+  slave_.mute_sdo(true);
+  start();
+  slave_.boot_up();
+  run(30s);
+  EXPECT_FALSE(alarm(alarms::AlarmKind::boot).known) << "nobody knows how it ends";
+  slave_.boot_up();
+  run(2s);
+  EXPECT_TRUE(alarm(alarms::AlarmKind::boot).known) << "it restarts, and may do so for ever";
+}
+
 }  // namespace
 }  // namespace process

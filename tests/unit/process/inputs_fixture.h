@@ -76,6 +76,7 @@ class InputsTest : public ::testing::Test, public Inputs::Listener {
 
   void on_values(SourceId source) override { values_.push_back(source); }
   void on_stale(SourceId source) override { stale_.push_back(source); }
+  void on_watch_failed(SourceId source) override { watch_failed_.push_back(source); }
   void on_presence(SourceId source) override { presence_.push_back(source); }
   void on_problems() override { ++problems_told_; }
   void on_remark(const std::string& text) override { remarks_.push_back(text); }
@@ -89,6 +90,7 @@ class InputsTest : public ::testing::Test, public Inputs::Listener {
   TimePoint now_{std::chrono::hours(1)};
   std::vector<SourceId> values_;
   std::vector<SourceId> stale_;
+  std::vector<SourceId> watch_failed_;
   std::vector<SourceId> presence_;
   std::vector<std::string> remarks_;
   int problems_told_ = 0;

@@ -114,6 +114,22 @@ TEST_F(OnChangeTest, WatchedIsReadAtEachPoll) {
   }
 }
 
+TEST_F(OnChangeTest, WatchedThatCannotBeReadIsToldAndStaysFresh) {
+  go_live();
+  tpdo1(1);
+  static_cast<void>(answer_reads());
+  objects_.erase(test::kStatusWord);
+  inputs_->watch(0, true, now_);
+  pass(1s);
+  static_cast<void>(answer_reads());
+  EXPECT_EQ(watch_failed_, std::vector<SourceId>{0});
+  EXPECT_TRUE(fresh("running")) << "it would have told a change";
+  inputs_->watch(0, false, now_);
+  pass(61s);
+  static_cast<void>(answer_reads());
+  EXPECT_EQ(watch_failed_.size(), 1U);
+}
+
 TEST_F(OnChangeTest, LostFramesMakeTpdoValuesSuspectUntilRefreshed) {
   go_live();
   tpdo1(1);
