@@ -2,6 +2,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,25 @@ namespace mqtt {
 
 /// Names one connection to the broker; every new one has a greater number.
 using ConnectionId = std::uint64_t;
+
+/// A connection that stands.
+struct Connected {
+  ConnectionId id = 0;
+  int version = 5;       ///< 5, or 4 for MQTT 3.1.1.
+  std::string broker{};  ///< `HOST:PORT` as configured.
+};
+
+/// What the broker said to one subscription.
+struct Subscribed {
+  std::string filter{};
+  std::optional<std::string> refused{};  ///< Why not, in words.
+};
+
+/// What became of messages since the start.
+struct BrokerCounts {
+  std::uint64_t messages_dropped = 0;  ///< Too long for the broker, refused by it, or no topic that can be sent to.
+  std::uint64_t answers_dropped = 0;   ///< Too old, tried too often, or too many.
+};
 
 struct Subscription {
   std::string filter;
@@ -23,10 +43,11 @@ struct Subscription {
 /// What a broker tells, on the loop, in the order in which it happened; and what it asks.
 class BrokerEvents {
  public:
-  virtual void on_connected(ConnectionId connection) = 0;
-  virtual void on_disconnected() = 0;
-  /// The answer to subscribe(): false when the broker refused any of it.
-  virtual void on_subscribed(bool granted) = 0;
+  virtual void on_connected(const Connected& connection) = 0;
+  /// `why` in words, with what the broker said by name.
+  virtual void on_disconnected(const std::string& why) = 0;
+  /// The answer to one of the subscriptions of subscribe(). None comes where the connection goes first.
+  virtual void on_subscribed(const Subscribed& subscribed) = 0;
   virtual void on_message(Incoming message) = 0;
   /// From any thread, until stop(): the message is a command that stops a motor, to be lost last.
   [[nodiscard]] virtual bool is_stop(const Incoming& message) const = 0;
@@ -44,10 +65,15 @@ class Broker {
   /// `events` outlives the broker's stop().
   virtual void start(BrokerEvents& events) = 0;
   virtual void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) = 0;
-  /// Keeps the messages until they can leave. While nothing can, the newest per topic.
+  virtual void unsubscribe(ConnectionId connection, std::string filter) = 0;
+  /// Keeps the messages until they can leave, of each retained topic the newest. What is retained is lost with the
+  /// connection: the next one begins with everything.
   virtual void publish(std::vector<Message> batch) = 0;
   /// What was published may leave on this connection. Each new connection begins closed.
   virtual void open(ConnectionId connection) = 0;
+  [[nodiscard]] virtual BrokerCounts counts() const = 0;
+  /// False: the thread that serves the broker, or what it calls, stands still.
+  [[nodiscard]] virtual bool alive() const = 0;
   /// Publishes what is left and then `last`, disconnects and ends, all within a few seconds.
   virtual boost::asio::awaitable<void> stop(std::vector<Message> last) = 0;
 };

@@ -8,10 +8,12 @@
 
 namespace mqtt {
 
+/// In the order in which they leave.
 enum class MessageKind : std::uint8_t {
-  value,  ///< The newest one is all that counts.
-  alarm,  ///< Likewise, but it never gives way to values.
-  answer  ///< Each counts by itself.
+  status,  ///< Whether the gateway and its drives are there. The newest one is all that counts.
+  alarm,   ///< Likewise.
+  answer,  ///< Each counts by itself, for a short time.
+  value    ///< The newest one is all that counts.
 };
 
 /// Something to publish.
@@ -20,6 +22,10 @@ struct Message {
   std::string payload{};
   MessageKind kind = MessageKind::value;
   bool retained = true;
+  /// MQTT 5 only: how long it stands at a broker without being published again, in seconds; 0: for ever.
+  std::uint32_t expiry = 0;
+  /// It leaves when all that waits with it has left: `online` says that everything is there.
+  bool after_all = false;
   std::optional<std::string> correlation{};  ///< MQTT 5 only: correlation data of the request it answers.
   friend bool operator==(const Message&, const Message&) = default;
 };

@@ -12,14 +12,14 @@ namespace mqtt {
 Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings settings, Notice notice)
     : notice_(std::move(notice)),
       loop_(std::make_shared<LoopPost>(executor, [this](LoopEvent& event) { receive(event); })),
-      worker_(std::make_shared<Worker>(std::move(settings), loop_)),
+      broker_thread_(std::make_shared<BrokerThread>(std::move(settings), loop_)),
       ended_timer_(executor) {}
 
 Publisher::~Publisher() {
   loop_->close();
   if (thread_.joinable()) {  // not stopped in order: the broker publishes the will
-    worker_->traffic().finish({}, std::chrono::milliseconds(0));
-    ended_ = worker_->await_end(std::chrono::milliseconds(2000));
+    broker_thread_->finish({}, std::chrono::milliseconds(0));
+    ended_ = broker_thread_->await_end(std::chrono::milliseconds(2000));
     leave();
   }
 }
@@ -27,24 +27,36 @@ Publisher::~Publisher() {
 void Publisher::start(BrokerEvents& events) {
   events_ = &events;
   loop_->tell_stops_by([&events](const Incoming& message) { return events.is_stop(message); });
-  thread_ = std::thread([worker = worker_] { worker->run(); });
+  thread_ = std::thread([shared = broker_thread_] { shared->run(); });
 }
 
 void Publisher::subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) {
-  worker_->traffic().subscribe(connection, std::move(subscriptions));
+  broker_thread_->subscribe(connection, std::move(subscriptions));
 }
 
 void Publisher::publish(std::vector<Message> batch) {
-  worker_->traffic().publish(std::move(batch));
+  broker_thread_->publish(std::move(batch));
+}
+
+void Publisher::unsubscribe(ConnectionId connection, std::string filter) {
+  broker_thread_->unsubscribe(connection, std::move(filter));
+}
+
+BrokerCounts Publisher::counts() const {
+  return broker_thread_->counts();
+}
+
+bool Publisher::alive() const {
+  return broker_thread_->alive();
 }
 
 void Publisher::open(ConnectionId connection) {
-  worker_->traffic().open(connection);
+  broker_thread_->open(connection);
 }
 
 boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {
   if (thread_.joinable()) {
-    worker_->traffic().finish(std::move(last), worker_->settings().farewell);
+    broker_thread_->finish(std::move(last), broker_thread_->settings().farewell);
     ended_timer_.expires_after(kStopLimit);
     boost::system::error_code ignored;
     if (!ended_) {
@@ -59,11 +71,11 @@ void Publisher::receive(LoopEvent& event) {
   if (auto* message = std::get_if<Incoming>(&event)) {
     events_->on_message(std::move(*message));
   } else if (const auto* connected = std::get_if<Connected>(&event)) {
-    events_->on_connected(connected->connection);
-  } else if (std::holds_alternative<Disconnected>(event)) {
-    events_->on_disconnected();
+    events_->on_connected(*connected);
+  } else if (const auto* gone = std::get_if<Disconnected>(&event)) {
+    events_->on_disconnected(gone->why);
   } else if (const auto* subscribed = std::get_if<Subscribed>(&event)) {
-    events_->on_subscribed(subscribed->granted);
+    events_->on_subscribed(*subscribed);
   } else if (auto* said = std::get_if<Said>(&event)) {
     notice_(said->level, std::move(said->text));
   } else {
@@ -84,12 +96,12 @@ void Publisher::leave() {
 PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
   PublisherSettings settings;
   settings.broker = mqtt.brokers.front();
-  settings.connection.client_id = "canopen-gateway-" + gateway.name;
-  settings.connection.username = mqtt.username;
-  settings.connection.password = mqtt.password;
-  settings.connection.will_topic = status_topic(mqtt.base, gateway.name);
-  settings.connection.will_payload = "offline";
-  settings.connection.qos = mqtt.qos;
+  settings.client.client_id = "canopen-gateway-" + gateway.name;
+  settings.client.username = mqtt.username;
+  settings.client.password = mqtt.password;
+  settings.client.will_topic = status_topic(mqtt.base, gateway.name);
+  settings.client.will_payload = "offline";
+  settings.client.qos = mqtt.qos;
   return settings;
 }
 

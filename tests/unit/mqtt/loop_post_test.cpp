@@ -22,13 +22,13 @@ class LoopPostTest : public testing::Test {
 };
 
 TEST_F(LoopPostTest, BringsEventsInOrderAndOnlyOnTheLoop) {
-  post_->post(Connected{7});
+  post_->post(Connected{.id = 7});
   post_->post(Incoming{.topic = "a"});
   post_->post(Disconnected{});
   EXPECT_TRUE(received_.empty());
   loop_.settle();
   ASSERT_EQ(received_.size(), 3U);
-  EXPECT_EQ(std::get<Connected>(received_[0]).connection, 7U);
+  EXPECT_EQ(std::get<Connected>(received_[0]).id, 7U);
   EXPECT_EQ(std::get<Incoming>(received_[1]).topic, "a");
   EXPECT_TRUE(std::holds_alternative<Disconnected>(received_[2]));
 }
@@ -117,6 +117,38 @@ TEST_F(LoopPostTest, OfAFloodOfStopsEachTopicKeepsOne) {
   post_->post(Incoming{.topic = "pump1", .payload = "run"});
   loop_.settle();
   EXPECT_EQ(received_.size(), 1U) << "all room is there again";
+}
+
+TEST_F(LoopPostTest, WhatIsWatchedCostsNoCommandItsPlaceAndIsTheNewestOfItsTopic) {
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages * 3; ++i) {
+    post_->post_watched(Incoming{.topic = "alarm", .payload = std::to_string(i)});
+  }
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages; ++i) {
+    post_->post(Incoming{.topic = "pump1", .payload = "run"});
+  }
+  post_->post_watched(Incoming{.topic = "alarm", .payload = "newest"});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages + 1) << "no command was dropped, and so nothing said";
+  EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "newest");
+  post_->post_watched(Incoming{.topic = "alarm", .payload = "again"});
+  loop_.settle();
+  EXPECT_EQ(std::get<Incoming>(received_.back()).payload, "again");
+}
+
+TEST_F(LoopPostTest, WhatIsWatchedIsBoundedInTopicsAndBytes) {
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages + 5; ++i) {
+    post_->post_watched(Incoming{.topic = std::to_string(i), .payload = std::string(64UL * 1024, 'x')});
+  }
+  post_->post_watched(Incoming{.topic = "0", .payload = std::string(LoopPost::kMaxBytes, 'y')});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages);
+  std::size_t bytes = 0;
+  for (const LoopEvent& event : received_) {
+    bytes += std::get<Incoming>(event).payload.size();
+  }
+  EXPECT_LE(bytes, LoopPost::kMaxBytes);
+  EXPECT_GT(bytes, LoopPost::kMaxBytes / 2);
+  EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "") << "told, though without its payload";
 }
 
 TEST_F(LoopPostTest, BringsNothingAfterItWasClosed) {
