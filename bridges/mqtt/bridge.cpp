@@ -122,19 +122,20 @@ void Bridge::on_bus_alarm(std::size_t bus) {
   }
 }
 
-void Bridge::on_connected(ConnectionId connection) {
-  session_.connected(connection, canopen::Clock::now());
+void Bridge::on_connected(const Connected& connection) {
+  session_.connected(connection.id, canopen::Clock::now());
   wake(session_.deadline());
 }
 
-void Bridge::on_disconnected() {
+void Bridge::on_disconnected(const std::string& /*why*/) {
   session_.lost();
   follow_session();
 }
 
-void Bridge::on_subscribed(bool granted) {
-  if (!granted) {
-    notice_(Level::error, "MQTT: the broker refuses subscriptions below " + topics_.root() +
+void Bridge::on_subscribed(const Subscribed& subscribed) {
+  if (subscribed.refused) {
+    notice_(Level::error, "MQTT: the broker refuses the subscription of " + subscribed.filter + ": " +
+                              *subscribed.refused +
                               "; commands, or what others write on topics of alarms, do not arrive. Give the "
                               "gateway's user the right to read there");
   }

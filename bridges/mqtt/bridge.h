@@ -55,9 +55,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_bus_alarm(std::size_t bus) override;
 
  private:
-  void on_connected(ConnectionId connection) override;
-  void on_disconnected() override;
-  void on_subscribed(bool granted) override;
+  void on_connected(const Connected& connection) override;
+  void on_disconnected(const std::string& why) override;
+  void on_subscribed(const Subscribed& subscribed) override;
   void on_message(Incoming message) override;
   [[nodiscard]] bool is_stop(const Incoming& message) const override { return requests_.is_stop(message); }
 

@@ -3,7 +3,6 @@
 #include <mqtt/async_client.h>
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -119,13 +118,13 @@ class Connection::Body final : private callback {
 
   // One by one: Paho C++ 1.2.0 crashes when it passes several MQTT 5 options in one request.
   void subscribe(const std::vector<Subscription>& subscriptions) {
-    awaited_ = subscriptions.size();
-    all_granted_ = true;
     for (const Subscription& subscription : subscriptions) {
       client_.subscribe(subscription.filter, subscription.qos, nullptr, subscribing_,
                         settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
     }
   }
+
+  void unsubscribe(const std::string& filter) { client_.unsubscribe(filter); }
 
   void disconnect(std::chrono::milliseconds patience, bool say_will) {
     if (say_will) {
@@ -157,25 +156,22 @@ class Connection::Body final : private callback {
   }
 
   void was_granted(const token& done) {
-    bool granted = true;
     try {
       const subscribe_response response = done.get_subscribe_response();
-      for (const auto code : response.get_reason_codes()) {
-        granted = granted && static_cast<int>(code) < kFirstFailure;
-      }
+      const auto codes = response.get_reason_codes();
+      was_answered(done, codes.empty() ? 0 : static_cast<int>(codes.front()));
     } catch (const std::exception&) {
-      granted = false;
+      was_answered(done, kFirstFailure);
     }
-    was_answered(granted);
   }
 
-  void was_answered(bool granted) {
-    if (!granted) {
-      all_granted_ = false;
+  void was_answered(const token& done, int code) {
+    const auto topics = done.get_topics();
+    Subscribed subscribed{.filter = topics && !topics->empty() ? (*topics)[0] : std::string()};
+    if (code >= kFirstFailure) {
+      subscribed.refused = "refused with code " + std::to_string(code);
     }
-    if (--awaited_ == 0) {
-      events_.on_granted(all_granted_);
-    }
+    events_.on_subscribed(std::move(subscribed));
   }
 
   void was_sent(const token& done, Delivery delivery) {
@@ -184,8 +180,6 @@ class Connection::Body final : private callback {
 
   ConnectionEvents& events_;
   ConnectionSettings settings_;
-  std::atomic<std::size_t> awaited_{0};  ///< Answers to subscriptions, which come in a thread of Paho.
-  std::atomic<bool> all_granted_{true};
   struct Connecting final : iaction_listener {
     explicit Connecting(Body& to_body) : body(to_body) {}
     void on_success(const token& done) override { body.came_up(done); }
@@ -204,7 +198,7 @@ class Connection::Body final : private callback {
   struct Subscribing final : iaction_listener {
     explicit Subscribing(Body& to_body) : body(to_body) {}
     void on_success(const token& done) override { body.was_granted(done); }
-    void on_failure(const token&) override { body.was_answered(false); }
+    void on_failure(const token& done) override { body.was_answered(done, kFirstFailure); }
     Body& body;
   } subscribing_{*this};
   async_client client_;  ///< The last member: gone before what it calls.
@@ -246,6 +240,15 @@ Connection::Sent Connection::publish(Message message, InFlight& in_flight) {
 bool Connection::subscribe(const std::vector<Subscription>& subscriptions) {
   try {
     body_->subscribe(subscriptions);
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+bool Connection::unsubscribe(const std::string& filter) {
+  try {
+    body_->unsubscribe(filter);
     return true;
   } catch (const std::exception&) {
     return false;

@@ -56,7 +56,7 @@ class ConnectionEvents {
   virtual void on_down() noexcept = 0;
   virtual void on_incoming(Incoming&& message) noexcept = 0;
   virtual void on_sent(const InFlight* message, Delivery delivery) noexcept = 0;
-  virtual void on_granted(bool granted) noexcept = 0;
+  virtual void on_subscribed(Subscribed&& subscribed) noexcept = 0;
 
  protected:
   ~ConnectionEvents() = default;
@@ -84,6 +84,7 @@ class Connection {
   /// Fills `in_flight`, which stays in its place until on_sent() names it or the connection is gone.
   [[nodiscard]] Sent publish(Message message, InFlight& in_flight);
   [[nodiscard]] bool subscribe(const std::vector<Subscription>& subscriptions);
+  [[nodiscard]] bool unsubscribe(const std::string& filter);
   /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
   /// for it, and never leaves without a goodbye).
   void disconnect(std::chrono::milliseconds patience, bool say_will);

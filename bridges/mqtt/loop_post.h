@@ -18,12 +18,8 @@
 namespace mqtt {
 
 /// What the publisher's threads tell the loop. They own what they tell.
-struct Connected {
-  ConnectionId connection = 0;
-};
-struct Disconnected {};
-struct Subscribed {
-  bool granted = true;
+struct Disconnected {
+  std::string why{};
 };
 struct Said {
   Level level = Level::info;

@@ -72,6 +72,7 @@ void Outbox::hold(bool held) {
 
 std::size_t& Outbox::count_of(MessageKind kind) noexcept {
   switch (kind) {
+    case MessageKind::status:
     case MessageKind::value:
       return values_;
     case MessageKind::alarm:

@@ -38,6 +38,19 @@ void Publisher::publish(std::vector<Message> batch) {
   worker_->traffic().publish(std::move(batch));
 }
 
+void Publisher::unsubscribe(ConnectionId connection, std::string filter) {
+  worker_->traffic().unsubscribe(connection, std::move(filter));
+}
+
+BrokerCounts Publisher::counts() const {
+  return worker_->traffic().counts();
+}
+
+// Not watched yet.
+bool Publisher::alive() const {
+  return true;
+}
+
 void Publisher::open(ConnectionId connection) {
   worker_->traffic().open(connection);
 }
@@ -59,11 +72,11 @@ void Publisher::receive(LoopEvent& event) {
   if (auto* message = std::get_if<Incoming>(&event)) {
     events_->on_message(std::move(*message));
   } else if (const auto* connected = std::get_if<Connected>(&event)) {
-    events_->on_connected(connected->connection);
-  } else if (std::holds_alternative<Disconnected>(event)) {
-    events_->on_disconnected();
+    events_->on_connected(*connected);
+  } else if (const auto* gone = std::get_if<Disconnected>(&event)) {
+    events_->on_disconnected(gone->why);
   } else if (const auto* subscribed = std::get_if<Subscribed>(&event)) {
-    events_->on_subscribed(subscribed->granted);
+    events_->on_subscribed(*subscribed);
   } else if (auto* said = std::get_if<Said>(&event)) {
     notice_(said->level, std::move(said->text));
   } else {

@@ -15,6 +15,7 @@ void Session::connected(ConnectionId connection, canopen::TimePoint now) {
   for (Subscription& watched : topics_.watched_subscriptions()) {
     subscriptions.push_back(std::move(watched));
   }
+  awaited_ = subscriptions.size();
   broker_.subscribe(connection, std::move(subscriptions));
 }
 
@@ -24,7 +25,7 @@ void Session::lost() {
 }
 
 void Session::subscribed() {
-  if (phase_ == Phase::subscribing) {
+  if (phase_ == Phase::subscribing && --awaited_ == 0) {
     finish();
   }
 }

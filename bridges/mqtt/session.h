@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "bridges/mqtt/broker.h"
@@ -22,6 +23,7 @@ class Session {
 
   void connected(ConnectionId connection, canopen::TimePoint now);
   void lost();
+  /// One of the subscriptions was answered.
   void subscribed();
   /// Time passed.
   void tick(canopen::TimePoint now);
@@ -38,6 +40,7 @@ class Session {
   Broker& broker_;
   const Topics& topics_;
   ConnectionId connection_ = 0;
+  std::size_t awaited_ = 0;  ///< Answers to subscriptions.
   Phase phase_ = Phase::offline;
   canopen::TimePoint deadline_ = canopen::TimePoint::max();
 };

@@ -35,6 +35,17 @@ void Traffic::subscribe(ConnectionId connection, std::vector<Subscription> subsc
   wake_.notify_one();
 }
 
+void Traffic::unsubscribe(ConnectionId connection, std::string filter) {
+  const std::lock_guard lock(mutex_);
+  unsubscriptions_.emplace_back(connection, std::move(filter));
+  wake_.notify_one();
+}
+
+BrokerCounts Traffic::counts() {
+  const std::lock_guard lock(mutex_);
+  return {.messages_dropped = dropped_, .answers_dropped = outbox_.lost_answers()};
+}
+
 void Traffic::open(ConnectionId connection) {
   const std::lock_guard lock(mutex_);
   opened_ = connection;
@@ -94,6 +105,12 @@ Traffic::Work Traffic::await_work() {
     }
   }
   orders_.clear();
+  for (auto& [connection, filter] : unsubscriptions_) {
+    if (connection == connection_) {
+      work.unsubscriptions.push_back(std::move(filter));
+    }
+  }
+  unsubscriptions_.clear();
   take_messages(work);
   work.farewell = finishing_ && farewell_over();
   work.all_said = work.farewell && has_last_words_ && all_said();
@@ -103,6 +120,7 @@ Traffic::Work Traffic::await_work() {
 void Traffic::unfit(const InFlight* message) {
   const std::lock_guard lock(mutex_);
   erase(message);
+  ++dropped_;
 }
 
 void Traffic::broken() {
@@ -174,15 +192,16 @@ void Traffic::on_sent(const InFlight* message, Delivery delivery) noexcept {
     loop_->post(Said{Level::error,
                      "MQTT: the broker refuses some of what is published; check what the gateway's user may write"});
   }
+  dropped_ += delivery == Delivery::refused ? 1 : 0;
   erase(message);
   progress_ = Clock::now();
   wake_.notify_one();
 }
 
-void Traffic::on_granted(bool granted) noexcept {
+void Traffic::on_subscribed(Subscribed&& subscribed) noexcept {
   const std::lock_guard lock(mutex_);
   if (link_ == Link::up) {  // else it failed because the connection went
-    loop_->post(Subscribed{granted});
+    loop_->post(std::move(subscribed));
   }
 }
 
@@ -200,7 +219,8 @@ bool Traffic::farewell_over() const {
 
 bool Traffic::has_work() const {
   const bool can_send = sends() && !outbox_.empty() && in_flight_.size() < limits_.window;
-  return link_ != Link::up || !orders_.empty() || can_send || (finishing_ && farewell_over());
+  return link_ != Link::up || !orders_.empty() || !unsubscriptions_.empty() || can_send ||
+         (finishing_ && farewell_over());
 }
 
 void Traffic::take_messages(Work& work) {
@@ -215,7 +235,7 @@ void Traffic::take_messages(Work& work) {
         progress_ = Clock::now();
       }
       work.messages.emplace_back(std::move(*message), &in_flight_.emplace_back());
-    } else if (!std::exchange(said_too_long_, true)) {
+    } else if (++dropped_; !std::exchange(said_too_long_, true)) {
       loop_->post(Said{Level::error, "MQTT: the broker takes messages of " + std::to_string(limits_.packet) +
                                          " bytes at most; " + message->topic + " is longer and is not published"});
     }

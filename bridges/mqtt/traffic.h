@@ -29,6 +29,7 @@ class Traffic final : public ConnectionEvents {
   struct Work {
     std::optional<std::string> over;  ///< The connection is of no more use: why.
     std::vector<std::vector<Subscription>> subscriptions;
+    std::vector<std::string> unsubscriptions;
     std::vector<std::pair<Message, InFlight*>> messages;
     bool farewell = false;  ///< Everything at the end was said, or cannot be said.
     bool all_said = false;  ///< With farewell: the last words have arrived.
@@ -40,7 +41,9 @@ class Traffic final : public ConnectionEvents {
   // From the loop.
   void publish(std::vector<Message> batch);
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions);
+  void unsubscribe(ConnectionId connection, std::string filter);
   void open(ConnectionId connection);
+  [[nodiscard]] BrokerCounts counts();
   /// Only the newest of each topic and `last` are still sent, for as long as `patience`. Without last words the broker
   /// is made to publish the will.
   void finish(std::vector<Message> last, std::chrono::milliseconds patience);
@@ -66,7 +69,7 @@ class Traffic final : public ConnectionEvents {
   void on_down() noexcept override;
   void on_incoming(Incoming&& message) noexcept override;
   void on_sent(const InFlight* message, Delivery delivery) noexcept override;
-  void on_granted(bool granted) noexcept override;
+  void on_subscribed(Subscribed&& subscribed) noexcept override;
 
  private:
   enum class Link : std::uint8_t { none, connecting, up, refused, down };
@@ -87,6 +90,7 @@ class Traffic final : public ConnectionEvents {
   std::condition_variable wake_;
   Outbox outbox_;
   std::vector<Ordered> orders_;
+  std::vector<std::pair<ConnectionId, std::string>> unsubscriptions_;
   ConnectionId connection_ = 0;
   ConnectionId opened_ = 0;
   Link link_ = Link::none;
@@ -99,6 +103,7 @@ class Traffic final : public ConnectionEvents {
   Clock::time_point finish_by_{};
   bool said_too_long_ = false;
   bool said_refused_ = false;
+  std::uint64_t dropped_ = 0;
   std::uint64_t said_lost_ = 0;  ///< Answers.
 };
 

@@ -106,9 +106,11 @@ std::string Worker::attempt() {
   last_failure_.clear();
   say(Level::info, "MQTT: connected to " + bracketed(settings_.broker.host) + ":" +
                        std::to_string(settings_.broker.port) + (version == kMqtt5 ? ", MQTT 5" : ", MQTT 3.1.1"));
-  loop_->post(Connected{current_});
+  loop_->post(Connected{.id = current_,
+                        .version = version,
+                        .broker = bracketed(settings_.broker.host) + ":" + std::to_string(settings_.broker.port)});
   std::string why = serve();
-  loop_->post(Disconnected{});
+  loop_->post(Disconnected{why});
   return why;
 }
 
@@ -156,6 +158,11 @@ std::string Worker::serve() {
 bool Worker::send(Traffic::Work& work) {
   for (const std::vector<Subscription>& subscriptions : work.subscriptions) {
     if (!connection_->subscribe(subscriptions)) {
+      return false;
+    }
+  }
+  for (const std::string& filter : work.unsubscriptions) {
+    if (!connection_->unsubscribe(filter)) {
       return false;
     }
   }

@@ -182,7 +182,7 @@ TEST(MqttBridge, EverythingRetainedIsPublishedAgainAfterEachConnection) {
   site.bring_up_drive();
   site.connect();
   const auto before = site.broker().retained;
-  site.broker().events->on_disconnected();
+  site.broker().events->on_disconnected("gone");
   site.loop().settle();
   EXPECT_FALSE(site.bridge().connected());
   site.broker().forget();
@@ -213,16 +213,16 @@ TEST(MqttBridge, TellsWhenItIsConnected) {
   std::vector<bool> changes;
   site.bridge().on_connected_change([&changes](bool connected) { changes.push_back(connected); });
   site.connect();
-  site.broker().events->on_disconnected();
+  site.broker().events->on_disconnected("gone");
   EXPECT_EQ(changes, (std::vector<bool>{true, false}));
 }
 
 TEST(MqttBridge, ADeniedSubscriptionIsSaid) {
   PlantSite site;
-  site.broker().events->on_connected(1);
-  site.broker().events->on_subscribed(false);
-  ASSERT_EQ(site.notices().size(), 1U);
-  EXPECT_TRUE(contains(site.notices()[0], "refuses subscriptions"));
+  site.broker().events->on_connected({.id = 1});
+  site.broker().answer_subscriptions("not authorized");
+  ASSERT_GE(site.notices().size(), 1U);
+  EXPECT_TRUE(contains(site.notices()[0], "refuses the subscription of"));
   site.loop().settle();
   EXPECT_TRUE(site.bridge().connected()) << "values go out all the same";
 }

@@ -4,6 +4,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,13 +30,22 @@ class FakeBroker final : public Broker {
       published.push_back(std::move(message));
     }
   }
+  void unsubscribe(ConnectionId, std::string filter) override { unsubscribed.push_back(std::move(filter)); }
   void open(ConnectionId connection) override { opened = connection; }
+  [[nodiscard]] BrokerCounts counts() const override { return {}; }
+  [[nodiscard]] bool alive() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
     last_words = std::move(last);
     stopped = true;
     co_return;
   }
 
+  /// Answers every subscription of the last subscribe().
+  void answer_subscriptions(const std::optional<std::string>& refused = std::nullopt) const {
+    for (const Subscription& each : subscribed) {
+      events->on_subscribed({.filter = each.filter, .refused = refused});
+    }
+  }
   /// What was last subscribed with this filter; one without a filter where nothing was.
   [[nodiscard]] Subscription subscription(const std::string& filter) const {
     for (const Subscription& each : subscribed) {
@@ -64,6 +74,7 @@ class FakeBroker final : public Broker {
   BrokerEvents* events = nullptr;
   ConnectionId subscribed_on = 0;
   std::vector<Subscription> subscribed;
+  std::vector<std::string> unsubscribed;
   std::vector<Message> published;
   std::map<std::string, std::string> retained;
   std::size_t batches = 0;

@@ -22,13 +22,13 @@ class LoopPostTest : public testing::Test {
 };
 
 TEST_F(LoopPostTest, BringsEventsInOrderAndOnlyOnTheLoop) {
-  post_->post(Connected{7});
+  post_->post(Connected{.id = 7});
   post_->post(Incoming{.topic = "a"});
   post_->post(Disconnected{});
   EXPECT_TRUE(received_.empty());
   loop_.settle();
   ASSERT_EQ(received_.size(), 3U);
-  EXPECT_EQ(std::get<Connected>(received_[0]).connection, 7U);
+  EXPECT_EQ(std::get<Connected>(received_[0]).id, 7U);
   EXPECT_EQ(std::get<Incoming>(received_[1]).topic, "a");
   EXPECT_TRUE(std::holds_alternative<Disconnected>(received_[2]));
 }

@@ -83,9 +83,9 @@ void PlantSite::bring_up_drive() {
 }
 
 void PlantSite::connect(ConnectionId connection) {
-  broker_->events->on_connected(connection);
+  broker_->events->on_connected({.id = connection});
   loop_.settle();
-  broker_->events->on_subscribed(true);
+  broker_->answer_subscriptions();
   loop_.settle();
 }
 

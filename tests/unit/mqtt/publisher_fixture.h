@@ -18,9 +18,12 @@ namespace mqtt::test {
 /// The real publisher on a real loop; every wait is for a condition and bounded.
 class PublisherFixture : public testing::Test, public BrokerEvents {
  public:
-  void on_connected(ConnectionId connection) override { connections.push_back(connection); }
-  void on_disconnected() override { ++disconnections; }
-  void on_subscribed(bool granted) override { grants.push_back(granted); }
+  void on_connected(const Connected& connection) override { connections.push_back(connection.id); }
+  void on_disconnected(const std::string& why) override {
+    ++disconnections;
+    reasons.push_back(why);
+  }
+  void on_subscribed(const Subscribed& subscribed) override { grants.push_back(!subscribed.refused); }
   void on_message(Incoming message) override { messages.push_back(std::move(message)); }
   [[nodiscard]] bool is_stop(const Incoming& message) const override { return message.payload == "stop"; }
 
@@ -57,11 +60,11 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
   [[nodiscard]] bool connected(std::size_t times = 1) {
     return run_until([this, times] { return connections.size() >= times; });
   }
-  /// Subscribes and waits for the answer.
+  /// Subscribes and waits for the answers.
   [[nodiscard]] bool subscribe(std::vector<Subscription> subscriptions) {
-    const std::size_t before = grants.size();
+    const std::size_t expected = grants.size() + subscriptions.size();
     publisher->subscribe(connections.back(), std::move(subscriptions));
-    return run_until([this, before] { return grants.size() > before; });
+    return run_until([this, expected] { return grants.size() >= expected; });
   }
   [[nodiscard]] bool has_message(const std::string& topic) const {
     for (const Incoming& message : messages) {
@@ -86,6 +89,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
   std::unique_ptr<Publisher> publisher;
   std::vector<ConnectionId> connections;
   std::size_t disconnections = 0;
+  std::vector<std::string> reasons;  ///< Of the disconnections.
   std::vector<bool> grants;
   std::vector<Incoming> messages;
   std::vector<std::string> notices;

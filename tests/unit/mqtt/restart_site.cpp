@@ -99,7 +99,7 @@ void RestartSite::start_gateway() {
 void RestartSite::stop_broker() {
   broker_up_ = false;
   if (gateway_) {
-    gateway_->broker->events->on_disconnected();
+    gateway_->broker->events->on_disconnected("gone");
     gateway_->broker->retained["canopen/line3/status"] = "offline";
   }
 }
@@ -115,9 +115,9 @@ void RestartSite::start_broker() {
 void RestartSite::connect() {
   BrokerEvents& events = *gateway_->broker->events;
   const std::map<std::string, std::string> held = gateway_->broker->retained;
-  events.on_connected(++connections_);
+  events.on_connected({.id = ++connections_});
   loop_.settle();
-  events.on_subscribed(true);
+  gateway_->broker->answer_subscriptions();
   for (const auto& [topic, payload] : held) {
     if (topic.find("/alarm") != std::string::npos) {
       events.on_message({.topic = topic, .payload = payload, .retained = true, .received = canopen::Clock::now()});
