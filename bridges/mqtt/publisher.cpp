@@ -97,7 +97,7 @@ void Publisher::leave() {
 PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
   PublisherSettings settings;
   settings.broker = mqtt.brokers.front();
-  settings.connection.client_id = "canopen-gateway-" + gateway.name;
+  settings.connection.client_id = mqtt.client_id.empty() ? "canopen-gateway-" + gateway.name : mqtt.client_id;
   settings.connection.username = mqtt.username;
   settings.connection.password = mqtt.password;
   settings.connection.will_topic = status_topic(mqtt.base, gateway.name);
