@@ -23,6 +23,34 @@ void LoopPost::post(LoopEvent event) {
   if (!executor_ || !admit(event)) {
     return;
   }
+  add(std::move(event));
+}
+
+void LoopPost::post_watched(Incoming message) {
+  const std::lock_guard lock(mutex_);
+  if (!executor_) {
+    return;
+  }
+  const std::size_t size = size_of(message);
+  const auto known = load_.watched.find(message.topic);
+  Incoming* const older = known == load_.watched.end() ? nullptr : std::get_if<Incoming>(&events_[known->second]);
+  const std::size_t others = load_.watched_bytes - (older != nullptr ? size_of(*older) : 0);
+  if (others + size > kMaxBytes) {
+    message = {.topic = std::move(message.topic), .retained = message.retained, .received = message.received};
+  }
+  if (older == nullptr && (load_.watched.size() >= kMaxMessages || others + size_of(message) > kMaxBytes)) {
+    return;  // what was to be put right there is so with the next connection
+  }
+  load_.watched_bytes = others + size_of(message);
+  if (older != nullptr) {
+    *older = std::move(message);
+    return;
+  }
+  load_.watched.emplace(message.topic, events_.size());
+  add(std::move(message));
+}
+
+void LoopPost::add(LoopEvent event) {
   events_.push_back(std::move(event));
   if (events_.size() == 1) {
     boost::asio::post(*executor_, [self = shared_from_this()] { self->drain(); });

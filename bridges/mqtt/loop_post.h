@@ -3,6 +3,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -31,7 +32,8 @@ using LoopEvent = std::variant<Connected, Disconnected, Subscribed, Said, Ended,
 /// Brings events from any thread to the loop, in order, many in one turn. Bounded: of commands that the loop does not
 /// get to, those beyond kMaxMessages or kMaxBytes are dropped, counted, and their number is told. Stops have as much
 /// room again; beyond that too, one is dropped only where another stop on its topic waits already, with no command
-/// behind it.
+/// behind it. What others write on topics that are watched costs no command its place: of each topic only the newest is
+/// brought, in the place of the first, up to kMaxMessages topics; beyond kMaxBytes without its payload.
 class LoopPost : public std::enable_shared_from_this<LoopPost> {
  public:
   static constexpr std::size_t kMaxMessages = 1000;
@@ -46,10 +48,13 @@ class LoopPost : public std::enable_shared_from_this<LoopPost> {
   void tell_stops_by(IsStop is_stop);
   /// From any thread; does nothing after close().
   void post(LoopEvent event);
+  /// A message on a topic that is watched, likewise.
+  void post_watched(Incoming message);
   /// On the loop: nothing arrives any more. The loop may be gone afterwards.
   void close();
 
  private:
+  void add(LoopEvent event);
   void drain();
   /// False: it is one too many.
   [[nodiscard]] bool admit(const LoopEvent& event);
@@ -67,6 +72,8 @@ class LoopPost : public std::enable_shared_from_this<LoopPost> {
     std::size_t stop_bytes = 0;
     std::set<std::string> stops_on;  ///< Topics of the stops that came since it is full.
     std::size_t dropped = 0;
+    std::map<std::string, std::size_t> watched;  ///< Where in events_ the newest of each topic is.
+    std::size_t watched_bytes = 0;
   };
   Load load_;
   IsStop is_stop_;

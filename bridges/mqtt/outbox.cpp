@@ -1,100 +1,122 @@
 #include "bridges/mqtt/outbox.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace mqtt {
+namespace {
 
-void Outbox::push(Message message) {
-  std::size_t& count = count_of(message.kind);
-  if (message.kind == MessageKind::answer) {
-    if (count >= limit_) {
-      drop_oldest_answer();
-    }
-    ++count;
-    queue_.push_back(std::move(message));
-    return;
-  }
-  const auto known = newest_.find(message.topic);
-  if (known != newest_.end()) {
-    const Queue::iterator older = known->second;
-    if (!held_ && count >= limit_) {
-      older->payload = std::move(message.payload);
-      return;
-    }
-    newest_.erase(known);  // its key belongs to the older message
-    if (held_) {
-      erase(older);
-    }
-  }
-  ++count;
-  queue_.push_back(std::move(message));
-  const auto added = std::prev(queue_.end());
-  newest_.emplace(added->topic, added);
+std::size_t size_of(const Message& message) {
+  return message.topic.size() + message.payload.size() + (message.correlation ? message.correlation->size() : 0);
 }
 
-void Outbox::put_back(Message answer) {
-  if (answers_ >= limit_) {
-    ++lost_answers_;  // it is the oldest of all
-    return;
+}  // namespace
+
+void Outbox::push(std::vector<Message> batch, TimePoint now) {
+  ++batch_;
+  drop_old_answers(now);
+  for (Message& message : batch) {
+    if (message.kind == MessageKind::answer) {
+      push_answer(std::move(message), ++place_, now, 0);
+    } else {
+      push_newest(std::move(message), now);
+    }
   }
-  ++answers_;
-  queue_.push_front(std::move(answer));
 }
 
-std::optional<Message> Outbox::pop() {
-  if (queue_.empty()) {
+std::optional<Outbox::Item> Outbox::pop(TimePoint now) {
+  drop_old_answers(now);
+  const auto first = std::find_if(waiting_.begin(), waiting_.end(), [this](const auto& each) {
+    return !each.second.messages.front().after_all || each.first.second == *places_.begin();
+  });
+  if (first == waiting_.end()) {
     return std::nullopt;
   }
-  const auto front = queue_.begin();
-  --count_of(front->kind);
-  const auto known = newest_.find(front->topic);
-  if (known != newest_.end() && known->second == front) {
-    newest_.erase(known);
+  Waiting& waiting = first->second;
+  Item item{std::move(waiting.messages.front()), first->first.second, waiting.arrived, waiting.tries + 1};
+  if (item.message.kind == MessageKind::answer) {
+    --answers_;
+    answer_bytes_ -= size_of(item.message);
+  } else if (waiting.messages.size() > 1) {
+    waiting.messages.pop_front();
+    return item;
+  } else {
+    newest_.erase(item.message.topic);
   }
-  Message message = std::move(*front);
-  queue_.pop_front();
-  return message;
+  erase(first);
+  return item;
 }
 
-void Outbox::hold(bool held) {
-  held_ = held;
-  if (!held) {
+void Outbox::put_back(Item answer, TimePoint now) {
+  if (answer.tries >= kAnswerTries || now - answer.arrived > kAnswerAge) {
+    ++answers_dropped_;
     return;
   }
-  for (auto message = queue_.begin(); message != queue_.end();) {
-    const auto current = message++;
-    if (current->kind != MessageKind::answer && newest_.at(current->topic) != current) {
-      erase(current);
+  push_answer(std::move(answer.message), answer.place, answer.arrived, answer.tries);
+}
+
+void Outbox::forget_retained() {
+  newest_.clear();
+  for (auto waiting = waiting_.begin(); waiting != waiting_.end();) {
+    waiting = waiting->first.first == MessageKind::answer ? std::next(waiting) : erase(waiting);
+  }
+}
+
+void Outbox::push_newest(Message message, TimePoint now) {
+  const auto known = newest_.find(message.topic);
+  if (known == newest_.end()) {
+    const Key key(message.kind, ++place_);
+    newest_.emplace(message.topic, key);
+    places_.insert(key.second);
+    Waiting& added = waiting_[key];
+    added.batch = batch_;
+    added.arrived = now;
+    added.messages.push_back(std::move(message));
+    return;
+  }
+  auto entry = waiting_.extract(known->second);
+  known->second.first = message.kind;
+  entry.key() = known->second;
+  Waiting& waiting = entry.mapped();
+  if (waiting.batch != batch_) {
+    waiting.messages.clear();
+  }
+  waiting.messages.push_back(std::move(message));
+  waiting_.insert(std::move(entry));
+}
+
+void Outbox::push_answer(Message message, std::uint64_t place, TimePoint arrived, int tries) {
+  ++answers_;
+  answer_bytes_ += size_of(message);
+  places_.insert(place);
+  Waiting& added = waiting_[{MessageKind::answer, place}];
+  added.arrived = arrived;
+  added.tries = tries;
+  added.messages.push_back(std::move(message));
+  while (answers_ > kMaxAnswers || answer_bytes_ > kMaxAnswerBytes) {
+    drop_answer(waiting_.lower_bound({MessageKind::answer, 0}));
+  }
+}
+
+void Outbox::drop_old_answers(TimePoint now) {
+  while (answers_ > 0) {
+    const auto oldest = waiting_.lower_bound({MessageKind::answer, 0});
+    if (now - oldest->second.arrived <= kAnswerAge) {
+      return;
     }
+    drop_answer(oldest);
   }
 }
 
-std::size_t& Outbox::count_of(MessageKind kind) noexcept {
-  switch (kind) {
-    case MessageKind::status:
-    case MessageKind::value:
-      return values_;
-    case MessageKind::alarm:
-      return alarms_;
-    case MessageKind::answer:
-      break;
-  }
-  return answers_;
+void Outbox::drop_answer(Queue::iterator answer) {
+  --answers_;
+  answer_bytes_ -= size_of(answer->second.messages.front());
+  ++answers_dropped_;
+  erase(answer);
 }
 
-void Outbox::drop_oldest_answer() {
-  const auto oldest = std::find_if(queue_.begin(), queue_.end(),
-                                   [](const Message& message) { return message.kind == MessageKind::answer; });
-  if (oldest != queue_.end()) {
-    erase(oldest);
-    ++lost_answers_;
-  }
-}
-
-void Outbox::erase(Queue::iterator message) {
-  --count_of(message->kind);
-  queue_.erase(message);
+Outbox::Queue::iterator Outbox::erase(Queue::iterator waiting) {
+  places_.erase(waiting->first.second);
+  return waiting_.erase(waiting);
 }
 
 }  // namespace mqtt

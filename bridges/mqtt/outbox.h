@@ -1,53 +1,78 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <list>
+#include <deque>
+#include <map>
 #include <optional>
-#include <string_view>
+#include <set>
+#include <string>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "bridges/mqtt/message.h"
 
 namespace mqtt {
 
-/// Messages that wait for the broker: first in, first out up to `limit`; then only the newest per topic in the place of
-/// the one before, so that no topic starves. While held too there is one per topic, but in the order in which they came
-/// last: what was announced before a connection broke and is announced again keeps its order. Values and alarms have a
-/// limit of their own each, so that no flood of values costs an alarm. Answers are each kept; of more than `limit` the
-/// oldest is lost. Never holds more than 3 · limit messages plus one per topic. Not thread-safe.
+/// Messages that wait for the broker. They leave by kind, within a kind in the order in which their topics began to
+/// wait. Of each topic only the newest waits, in the place of the one before, so that no topic starves; several of one
+/// batch wait together where nothing did before (a pulse). Answers each count, but not for long: they are dropped, and
+/// counted, when they are older than kAnswerAge, were tried on kAnswerTries connections, or are too many. Holds one
+/// message per topic, one batch of pulses, and the answers. Knows no time but what it is given. Not thread-safe.
 class Outbox {
  public:
-  explicit Outbox(std::size_t limit) : limit_(limit) {}
+  using TimePoint = std::chrono::steady_clock::time_point;
+  static constexpr std::chrono::seconds kAnswerAge{10};
+  static constexpr int kAnswerTries = 2;
+  static constexpr std::size_t kMaxAnswers = 1000;
+  static constexpr std::size_t kMaxAnswerBytes = 4UL * 1024 * 1024;  ///< Topic, payload and correlation data.
 
-  void push(Message message);
-  /// An answer that was under way when the connection went goes before all others.
-  void put_back(Message answer);
-  std::optional<Message> pop();
+  /// A message that leaves.
+  struct Item {
+    Message message;
+    std::uint64_t place = 0;
+    TimePoint arrived{};
+    int tries = 0;  ///< Connections on which it left, this one included.
+  };
 
-  /// While held only the newest per topic is kept, of what waits already too.
-  void hold(bool held);
+  void push(std::vector<Message> batch, TimePoint now);
+  /// Nothing where nothing may leave.
+  [[nodiscard]] std::optional<Item> pop(TimePoint now);
+  /// An answer that left and may not have arrived, because its connection went.
+  void put_back(Item answer, TimePoint now);
+  /// The next connection begins with everything that is retained.
+  void forget_retained();
 
-  [[nodiscard]] bool empty() const noexcept { return queue_.empty(); }
-  [[nodiscard]] std::size_t size() const noexcept { return queue_.size(); }
-  [[nodiscard]] std::uint64_t lost_answers() const noexcept { return lost_answers_; }
+  [[nodiscard]] bool empty() const noexcept { return waiting_.empty(); }
+  [[nodiscard]] std::size_t size() const noexcept { return waiting_.size(); }
+  [[nodiscard]] std::uint64_t answers_dropped() const noexcept { return answers_dropped_; }
 
  private:
-  using Queue = std::list<Message>;
+  using Key = std::pair<MessageKind, std::uint64_t>;  ///< The place within the kind is that among all.
+  struct Waiting {
+    std::deque<Message> messages;  ///< More than one: of one batch.
+    std::uint64_t batch = 0;
+    TimePoint arrived{};
+    int tries = 0;
+  };
+  using Queue = std::map<Key, Waiting>;
 
-  [[nodiscard]] std::size_t& count_of(MessageKind kind) noexcept;
-  void drop_oldest_answer();
-  void erase(Queue::iterator message);
+  void push_newest(Message message, TimePoint now);
+  void push_answer(Message message, std::uint64_t place, TimePoint arrived, int tries);
+  void drop_old_answers(TimePoint now);
+  void drop_answer(Queue::iterator answer);
+  Queue::iterator erase(Queue::iterator waiting);
 
-  std::size_t limit_;
-  bool held_ = false;
-  Queue queue_;
-  /// The newest value or alarm of each topic; the keys point into the queue.
-  std::unordered_map<std::string_view, Queue::iterator> newest_;
-  std::size_t values_ = 0;
-  std::size_t alarms_ = 0;
+  Queue waiting_;
+  std::set<std::uint64_t> places_;               ///< Of all that waits.
+  std::unordered_map<std::string, Key> newest_;  ///< By topic.
+  std::uint64_t place_ = 0;
+  std::uint64_t batch_ = 0;
   std::size_t answers_ = 0;
-  std::uint64_t lost_answers_ = 0;
+  std::size_t answer_bytes_ = 0;
+  std::uint64_t answers_dropped_ = 0;
 };
 
 }  // namespace mqtt

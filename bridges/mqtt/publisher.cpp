@@ -12,14 +12,14 @@ namespace mqtt {
 Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings settings, Notice notice)
     : notice_(std::move(notice)),
       loop_(std::make_shared<LoopPost>(executor, [this](LoopEvent& event) { receive(event); })),
-      worker_(std::make_shared<Worker>(std::move(settings), loop_)),
+      broker_thread_(std::make_shared<BrokerThread>(std::move(settings), loop_)),
       ended_timer_(executor) {}
 
 Publisher::~Publisher() {
   loop_->close();
   if (thread_.joinable()) {  // not stopped in order: the broker publishes the will
-    worker_->traffic().finish({}, std::chrono::milliseconds(0));
-    ended_ = worker_->await_end(std::chrono::milliseconds(2000));
+    broker_thread_->finish({}, std::chrono::milliseconds(0));
+    ended_ = broker_thread_->await_end(std::chrono::milliseconds(2000));
     leave();
   }
 }
@@ -27,37 +27,36 @@ Publisher::~Publisher() {
 void Publisher::start(BrokerEvents& events) {
   events_ = &events;
   loop_->tell_stops_by([&events](const Incoming& message) { return events.is_stop(message); });
-  thread_ = std::thread([worker = worker_] { worker->run(); });
+  thread_ = std::thread([shared = broker_thread_] { shared->run(); });
 }
 
 void Publisher::subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) {
-  worker_->traffic().subscribe(connection, std::move(subscriptions));
+  broker_thread_->subscribe(connection, std::move(subscriptions));
 }
 
 void Publisher::publish(std::vector<Message> batch) {
-  worker_->traffic().publish(std::move(batch));
+  broker_thread_->publish(std::move(batch));
 }
 
 void Publisher::unsubscribe(ConnectionId connection, std::string filter) {
-  worker_->traffic().unsubscribe(connection, std::move(filter));
+  broker_thread_->unsubscribe(connection, std::move(filter));
 }
 
 BrokerCounts Publisher::counts() const {
-  return worker_->traffic().counts();
+  return broker_thread_->counts();
 }
 
-// Not watched yet.
 bool Publisher::alive() const {
-  return true;
+  return broker_thread_->alive();
 }
 
 void Publisher::open(ConnectionId connection) {
-  worker_->traffic().open(connection);
+  broker_thread_->open(connection);
 }
 
 boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {
   if (thread_.joinable()) {
-    worker_->traffic().finish(std::move(last), worker_->settings().farewell);
+    broker_thread_->finish(std::move(last), broker_thread_->settings().farewell);
     ended_timer_.expires_after(kStopLimit);
     boost::system::error_code ignored;
     if (!ended_) {
@@ -94,15 +93,32 @@ void Publisher::leave() {
   }
 }
 
+namespace {
+
+int number_of(config::MqttVersion version) noexcept {
+  switch (version) {
+    case config::MqttVersion::v5:
+      return 5;
+    case config::MqttVersion::v3_1_1:
+      return 4;
+    case config::MqttVersion::automatic:
+      break;
+  }
+  return 0;
+}
+
+}  // namespace
+
 PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
   PublisherSettings settings;
   settings.broker = mqtt.brokers.front();
-  settings.connection.client_id = mqtt.client_id.empty() ? "canopen-gateway-" + gateway.name : mqtt.client_id;
-  settings.connection.username = mqtt.username;
-  settings.connection.password = mqtt.password;
-  settings.connection.will_topic = status_topic(mqtt.base, gateway.name);
-  settings.connection.will_payload = "offline";
-  settings.connection.qos = mqtt.qos;
+  settings.version = number_of(mqtt.version);
+  settings.client.client_id = mqtt.client_id.empty() ? "canopen-gateway-" + gateway.name : mqtt.client_id;
+  settings.client.username = mqtt.username;
+  settings.client.password = mqtt.password;
+  settings.client.will_topic = status_topic(mqtt.base, gateway.name);
+  settings.client.will_payload = "offline";
+  settings.client.qos = mqtt.qos;
   return settings;
 }
 

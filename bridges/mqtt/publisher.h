@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "bridges/mqtt/broker.h"
+#include "bridges/mqtt/broker_thread.h"
+#include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
-#include "bridges/mqtt/worker.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
@@ -42,7 +43,7 @@ class Publisher final : public Broker {
   Notice notice_;
   BrokerEvents* events_ = nullptr;
   std::shared_ptr<LoopPost> loop_;
-  std::shared_ptr<Worker> worker_;
+  std::shared_ptr<BrokerThread> broker_thread_;
   std::thread thread_;
   canopen::Timer ended_timer_;  ///< Cancelled when the thread ended.
   bool ended_ = false;

@@ -119,6 +119,38 @@ TEST_F(LoopPostTest, OfAFloodOfStopsEachTopicKeepsOne) {
   EXPECT_EQ(received_.size(), 1U) << "all room is there again";
 }
 
+TEST_F(LoopPostTest, WhatIsWatchedCostsNoCommandItsPlaceAndIsTheNewestOfItsTopic) {
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages * 3; ++i) {
+    post_->post_watched(Incoming{.topic = "alarm", .payload = std::to_string(i)});
+  }
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages; ++i) {
+    post_->post(Incoming{.topic = "pump1", .payload = "run"});
+  }
+  post_->post_watched(Incoming{.topic = "alarm", .payload = "newest"});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages + 1) << "no command was dropped, and so nothing said";
+  EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "newest");
+  post_->post_watched(Incoming{.topic = "alarm", .payload = "again"});
+  loop_.settle();
+  EXPECT_EQ(std::get<Incoming>(received_.back()).payload, "again");
+}
+
+TEST_F(LoopPostTest, WhatIsWatchedIsBoundedInTopicsAndBytes) {
+  for (std::size_t i = 0; i < LoopPost::kMaxMessages + 5; ++i) {
+    post_->post_watched(Incoming{.topic = std::to_string(i), .payload = std::string(64UL * 1024, 'x')});
+  }
+  post_->post_watched(Incoming{.topic = "0", .payload = std::string(LoopPost::kMaxBytes, 'y')});
+  loop_.settle();
+  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages);
+  std::size_t bytes = 0;
+  for (const LoopEvent& event : received_) {
+    bytes += std::get<Incoming>(event).payload.size();
+  }
+  EXPECT_LE(bytes, LoopPost::kMaxBytes);
+  EXPECT_GT(bytes, LoopPost::kMaxBytes / 2);
+  EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "") << "told, though without its payload";
+}
+
 TEST_F(LoopPostTest, BringsNothingAfterItWasClosed) {
   post_->post(Disconnected{});
   post_->close();

@@ -36,6 +36,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
     PublisherSettings made = publisher_settings(mqtt, {"line3"});
     made.first_pause = std::chrono::milliseconds(50);
     made.longest_pause = std::chrono::milliseconds(200);
+    made.pause_after_refusal = std::chrono::milliseconds(200);
     return made;
   }
 

@@ -55,7 +55,8 @@ TEST_F(MqttPublisher, AStopIsNotLostInAFlood) {
 TEST_F(MqttPublisher, SendsNothingBeforeItIsOpened) {
   TinyBroker broker({.speaks_5 = false});
   make(settings(broker.port()));
-  publisher->publish({{.topic = "early", .payload = "1"}, {.topic = "early", .payload = "2"}});
+  publisher->publish({{.topic = "early", .payload = "1"}});
+  publisher->publish({{.topic = "early", .payload = "2"}});
   ASSERT_TRUE(connected());
   ASSERT_TRUE(subscribe({{"x", 0}}));
   EXPECT_TRUE(broker.published().empty());
@@ -72,7 +73,7 @@ TEST_F(MqttPublisher, ABrokerThatRefusesIsToldOnceAndTriedAgain) {
   make(settings(broker.port()));
   ASSERT_TRUE(run_until([&broker] { return broker.levels().size() >= 6; }));
   ASSERT_EQ(notices.size(), 1U);
-  EXPECT_NE(notices[0].find("does not authorize"), std::string::npos) << notices[0];
+  EXPECT_NE(notices[0].find("ot authorized"), std::string::npos) << notices[0];
   EXPECT_TRUE(connections.empty());
 }
 

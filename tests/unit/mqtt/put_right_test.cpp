@@ -49,8 +49,8 @@ class PutRight : public test::PublisherFixture {
   // The witness is a publisher too: it sees and writes as any other client does.
   bool subscribe_witness() {
     PublisherSettings made = settings(broker_.port());
-    made.connection.client_id = "witness";
-    made.connection.will_topic = "witness";
+    made.client.client_id = "witness";
+    made.client.will_topic = "witness";
     make(std::move(made));
     if (!connected() ||
         !subscribe({{"canopen/line3/bus/+/alarm", 1}, {"canopen/line3/alarms", 1}, {"canopen/line3/+/alarm/+", 1}})) {

@@ -94,6 +94,11 @@ std::vector<std::string> TinyBroker::published() const {
   return published_;
 }
 
+std::vector<std::chrono::steady_clock::time_point> TinyBroker::times() const {
+  const std::lock_guard lock(mutex_);
+  return times_;
+}
+
 void TinyBroker::serve() {
   while (!stopping_) {
     if (!readable(server_)) {
@@ -109,6 +114,10 @@ void TinyBroker::serve_client(int client) {
   std::uint8_t first = 0;
   std::vector<std::uint8_t> body;
   while (!stopping_) {
+    if (const int code = kick_.exchange(0); code != 0) {
+      send_bytes(client, {0xE0, 2, static_cast<std::uint8_t>(code), 0});
+      return;
+    }
     if (!readable(client)) {
       continue;
     }
@@ -130,7 +139,11 @@ bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::u
     return take_publish(client, first, body);
   }
   if (type == kSubscribe) {
-    send_bytes(client, {0x90, 3, body[0], body[1], 0});  // of one filter
+    if (level_ == kMqtt5) {
+      send_bytes(client, {0x90, 4, body[0], body[1], 0, 0});
+    } else {
+      send_bytes(client, {0x90, 3, body[0], body[1], 0});  // of one filter
+    }
     flood(client);
   } else if (type == kPubAck && manners_.flood != 0) {
     flood_taken_.set_value();
@@ -148,6 +161,10 @@ bool TinyBroker::answer_connect(int client, const std::vector<std::uint8_t>& bod
   }
   if (manners_.mute) {
     return true;
+  }
+  level_ = level;
+  if (level == kMqtt5 && manners_.closes_on_5) {
+    return false;
   }
   const bool wrong_version = level == kMqtt5 && !manners_.speaks_5;
   const auto code = static_cast<std::uint8_t>(wrong_version ? 1 : manners_.refusal);
@@ -174,15 +191,23 @@ bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<
   const std::size_t length = static_cast<std::size_t>(body.at(0)) << 8U | body.at(1);
   const auto topic_end = body.begin() + 2 + static_cast<std::ptrdiff_t>(length);
   std::string text(body.begin() + 2, topic_end);
+  if (text == manners_.hates) {
+    return false;
+  }
+  std::this_thread::sleep_for(manners_.slow);
   auto payload = topic_end;
   if ((first & 0x06U) != 0) {
     send_bytes(client, {0x40, 2, *topic_end, *(topic_end + 1)});
     payload += 2;
   }
+  if (level_ == kMqtt5) {
+    payload += 1 + *payload;  // properties of less than 128 bytes
+  }
   text += '=';
   text.append(payload, body.end());
   const std::lock_guard lock(mutex_);
   published_.push_back(std::move(text));
+  times_.push_back(std::chrono::steady_clock::now());
   return true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <future>
@@ -15,10 +16,13 @@ namespace mqtt::test {
 class TinyBroker {
  public:
   struct Manners {
-    bool speaks_5 = false;  ///< Else it refuses MQTT 5 as 3.1.1 prescribes.
-    bool mute = false;      ///< Accepts the connection and says nothing at all.
-    int refusal = 0;        ///< CONNACK code for everybody.
-    std::size_t flood = 0;  ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
+    bool speaks_5 = false;              ///< Else it refuses MQTT 5 as 3.1.1 prescribes.
+    bool mute = false;                  ///< Accepts the connection and says nothing at all.
+    int refusal = 0;                    ///< CONNACK code for everybody.
+    bool closes_on_5 = false;           ///< Closes where it should refuse MQTT 5.
+    std::string hates{};                ///< Closes the connection on each PUBLISH there.
+    std::chrono::milliseconds slow{0};  ///< Needs so long for each PUBLISH, one after the other.
+    std::size_t flood = 0;              ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
 
   explicit TinyBroker(Manners manners);
@@ -31,6 +35,10 @@ class TinyBroker {
   [[nodiscard]] std::vector<int> levels() const;
   /// `topic=payload` of every PUBLISH seen.
   [[nodiscard]] std::vector<std::string> published() const;
+  /// When each of published() came.
+  [[nodiscard]] std::vector<std::chrono::steady_clock::time_point> times() const;
+  /// Sends DISCONNECT with this code (MQTT 5) to who is connected, and closes the connection.
+  void disconnect(int code) { kick_ = code; }
   /// The client has acknowledged the last message of the flood. Once.
   [[nodiscard]] std::future<void> flood_taken() { return flood_taken_.get_future(); }
 
@@ -47,9 +55,12 @@ class TinyBroker {
   int server_;
   std::uint16_t port_ = 0;
   std::atomic<bool> stopping_ = false;
+  std::atomic<int> kick_ = 0;
+  int level_ = 0;  ///< Of the connection.
   mutable std::mutex mutex_;
   std::vector<int> levels_;
   std::vector<std::string> published_;
+  std::vector<std::chrono::steady_clock::time_point> times_;
   std::promise<void> flood_taken_;
   std::thread thread_;
 };

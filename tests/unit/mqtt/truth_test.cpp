@@ -9,6 +9,7 @@
 
 #include "bridges/mqtt/bridge.h"
 #include "bridges/mqtt/payload.h"
+#include "bridges/mqtt/publisher.h"
 #include "tests/unit/mqtt/plant_site.h"
 
 namespace mqtt {
@@ -252,6 +253,19 @@ TEST(MqttTruth, HealthTellsWhyTheLastConnectionEnded) {
   site.connect(2);
   EXPECT_TRUE(contains(site.retained("health"), R"("last_break":"the broker says session taken over, 0x8E")"))
       << site.retained("health");
+}
+
+TEST(MqttSettings, NameTheClientAndTheVersion) {
+  config::Mqtt mqtt;
+  const config::Gateway gateway{.name = "line3"};
+  EXPECT_EQ(publisher_settings(mqtt, gateway).client.client_id, "canopen-gateway-line3");
+  EXPECT_EQ(publisher_settings(mqtt, gateway).version, 0) << "whatever the broker speaks";
+  mqtt.client_id = "other";
+  mqtt.version = config::MqttVersion::v5;
+  EXPECT_EQ(publisher_settings(mqtt, gateway).client.client_id, "other");
+  EXPECT_EQ(publisher_settings(mqtt, gateway).version, 5);
+  mqtt.version = config::MqttVersion::v3_1_1;
+  EXPECT_EQ(publisher_settings(mqtt, gateway).version, 4);
 }
 
 }  // namespace

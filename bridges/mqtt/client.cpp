@@ -1,4 +1,4 @@
-#include "bridges/mqtt/connection.h"
+#include "bridges/mqtt/client.h"
 
 #include <mqtt/async_client.h>
 
@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "bridges/mqtt/reasons.h"
 #include "canopen/clock.h"
 
 namespace mqtt {
@@ -17,15 +18,20 @@ constexpr int kWindow = static_cast<int>(BrokerLimits{}.window);
 constexpr int kPahoBuffer = kWindow * 2;
 // Longest message we take, in bytes (MQTT 5 only): the broker drops longer ones.
 constexpr std::int32_t kMaxIncoming = 128 * 1024;
-// Reason codes from here on are failures (MQTT 5 §2.4); so is 0x80 in a SUBACK of 3.1.1 (§3.9.3).
-constexpr int kFirstFailure = 0x80;
+// For as long a broker says nothing of a connection that broke, since the next one is there by then; a session that
+// ends earlier would let it speak at once (MQTT 5 §3.1.2.5).
+constexpr std::uint32_t kWillDelay = 5;
+constexpr std::uint32_t kSessionExpiry = 10;
+// Of a SUBACK that says nothing.
+constexpr int kUnspecified = 0x80;
 
-connect_options options_of(const ConnectionSettings& settings) {
+connect_options options_of(const ClientSettings& settings) {
   connect_options options;
   options.set_mqtt_version(settings.version);
   if (settings.version >= MQTTVERSION_5) {
     options.set_clean_start(true);
-    options.set_properties({{property::SESSION_EXPIRY_INTERVAL, 0}, {property::MAXIMUM_PACKET_SIZE, kMaxIncoming}});
+    options.set_properties(
+        {{property::SESSION_EXPIRY_INTERVAL, kSessionExpiry}, {property::MAXIMUM_PACKET_SIZE, kMaxIncoming}});
   } else {
     options.set_clean_session(true);
   }
@@ -37,7 +43,11 @@ connect_options options_of(const ConnectionSettings& settings) {
     options.set_user_name(settings.username);
     options.set_password(settings.password);
   }
-  options.set_will(will_options(settings.will_topic, settings.will_payload, settings.qos, true));
+  will_options will(settings.will_topic, settings.will_payload, settings.qos, true);
+  if (settings.version >= MQTTVERSION_5) {
+    will.set_properties({{property::WILL_DELAY_INTERVAL, kWillDelay}});
+  }
+  options.set_will(std::move(will));
   return options;
 }
 
@@ -49,7 +59,7 @@ subscribe_options options_of(const Subscription& subscription) {
   return subscribe_options(subscribe_options::SUBSCRIBE_LOCAL, subscribe_options::RETAIN_AS_PUBLISHED);
 }
 
-create_options creation_of(const ConnectionSettings& settings) {
+create_options creation_of(const ClientSettings& settings) {
   create_options options(settings.version, kPahoBuffer);
   options.set_send_while_disconnected(false);
   options.set_restore_messages(false);
@@ -68,6 +78,18 @@ BrokerLimits limits_of(const token& connected) {
     limits.window = std::clamp<std::size_t>(get<std::uint16_t>(given, property::RECEIVE_MAXIMUM), 1, limits.window);
   }
   return limits;
+}
+
+// The broker was there and closed the connection instead of a CONNACK. Paho has no code for that, only a text, which it
+// has too where a host far away refuses the connection.
+bool was_closed(const token& failed) {
+  try {
+    // It is over: this does not wait, it throws.
+    (void)const_cast<token&>(failed).try_wait();  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  } catch (const exception& failure) {
+    return failure.get_message() == "TCP connect completion failure";
+  }
+  return false;
 }
 
 Incoming incoming_of(const message& received) {
@@ -89,39 +111,64 @@ Incoming incoming_of(const message& received) {
   return incoming;
 }
 
+// Bytes of a length (Variable Byte Integer, MQTT 5 §1.5.5).
+std::size_t length_of_length(std::size_t length) {
+  std::size_t bytes = 1;
+  for (; length >= 0x80; length >>= 7U) {
+    ++bytes;
+  }
+  return bytes;
+}
+
 }  // namespace
 
-class Connection::Body final : private callback {
+std::size_t packet_size(const Message& message, int version, int qos) {
+  constexpr std::size_t kExpiry = 5;
+  constexpr std::size_t kCorrelation = 3;
+  std::size_t rest = 2 + message.topic.size() + (qos > 0 ? 2U : 0U) + message.payload.size();
+  if (version >= MQTTVERSION_5) {
+    const std::size_t given =
+        (message.expiry != 0 ? kExpiry : 0) + (message.correlation ? kCorrelation + message.correlation->size() : 0);
+    rest += length_of_length(given) + given;
+  }
+  return 1 + length_of_length(rest) + rest;
+}
+
+class Client::Body final : private callback {
  public:
-  Body(const ConnectionSettings& settings, ConnectionEvents& events)
+  Body(const ClientSettings& settings, ClientEvents& events)
       : events_(events),
         settings_(settings),
         client_(settings_.uri, settings_.client_id, creation_of(settings_), nullptr) {
     client_.set_callback(*this);
+    // Paho tells of a DISCONNECT here and nowhere else.
+    client_.set_disconnected_handler(
+        [this](const properties&, ReasonCode code) { events_.on_down(static_cast<int>(code)); });
   }
 
   // Properties are only made while a client exists: Paho forgets, and so leaks, what it allocated before its first one.
   void connect() { client_.connect(options_of(settings_), nullptr, connecting_); }
 
-  void publish(Message message, InFlight& in_flight) {
+  void publish(const Message& message) {
     properties given;
-    if (settings_.version >= MQTTVERSION_5 && message.correlation) {
-      given.add({property::CORRELATION_DATA, *message.correlation});
+    if (settings_.version >= MQTTVERSION_5) {
+      if (message.correlation) {
+        given.add({property::CORRELATION_DATA, *message.correlation});
+      }
+      if (message.expiry != 0) {
+        given.add({property::MESSAGE_EXPIRY_INTERVAL, static_cast<std::int32_t>(message.expiry)});
+      }
     }
-    if (message.kind == MessageKind::answer) {
-      in_flight.answer = message;
-    }
-    client_.publish(
-        message::create(std::move(message.topic), std::move(message.payload), settings_.qos, message.retained, given),
-        &in_flight, publishing_);
+    // Paho hands back what it was given.
+    void* const name = const_cast<Message*>(&message);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+    client_.publish(mqtt::message::create(message.topic, message.payload, settings_.qos, message.retained, given), name,
+                    publishing_);
   }
 
   // One by one: Paho C++ 1.2.0 crashes when it passes several MQTT 5 options in one request.
-  void subscribe(const std::vector<Subscription>& subscriptions) {
-    for (const Subscription& subscription : subscriptions) {
-      client_.subscribe(subscription.filter, subscription.qos, nullptr, subscribing_,
-                        settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
-    }
+  void subscribe(const Subscription& subscription) {
+    client_.subscribe(subscription.filter, subscription.qos, nullptr, subscribing_,
+                      settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
   }
 
   void unsubscribe(const std::string& filter) { client_.unsubscribe(filter); }
@@ -136,12 +183,12 @@ class Connection::Body final : private callback {
   }
 
  private:
-  void connection_lost(const string&) override { events_.on_down(); }
+  void connection_lost(const string&) override { events_.on_down(-1); }
   void message_arrived(const_message_ptr received) override {
     try {
       events_.on_incoming(incoming_of(*received));
     } catch (const std::exception&) {
-      events_.on_down();  // no memory: begin again rather than lose a command unseen
+      events_.on_down(-1);  // no memory: begin again rather than lose a command unseen
     }
   }
 
@@ -156,41 +203,48 @@ class Connection::Body final : private callback {
   }
 
   void was_granted(const token& done) {
+    int code = kUnspecified;
     try {
       const subscribe_response response = done.get_subscribe_response();
       const auto codes = response.get_reason_codes();
-      was_answered(done, codes.empty() ? 0 : static_cast<int>(codes.front()));
+      code = codes.empty() ? kUnspecified : static_cast<int>(codes.front());
     } catch (const std::exception&) {
-      was_answered(done, kFirstFailure);
+      code = kUnspecified;
     }
+    was_answered(done, code);
   }
 
   void was_answered(const token& done, int code) {
     const auto topics = done.get_topics();
     Subscribed subscribed{.filter = topics && !topics->empty() ? (*topics)[0] : std::string()};
-    if (code >= kFirstFailure) {
-      subscribed.refused = "refused with code " + std::to_string(code);
+    if (is_failure(code)) {
+      subscribed.refused = reason_text(code);
     }
     events_.on_subscribed(std::move(subscribed));
   }
 
   void was_sent(const token& done, Delivery delivery) {
-    events_.on_sent(static_cast<const InFlight*>(done.get_user_context()), delivery);
+    events_.on_sent(static_cast<const Message*>(done.get_user_context()), delivery,
+                    static_cast<int>(done.get_reason_code()));
   }
 
-  ConnectionEvents& events_;
-  ConnectionSettings settings_;
+  void was_refused(const token& done) {
+    events_.on_refused({.code = done.get_return_code(), .closed = was_closed(done)});
+  }
+
+  ClientEvents& events_;
+  ClientSettings settings_;
   struct Connecting final : iaction_listener {
     explicit Connecting(Body& to_body) : body(to_body) {}
     void on_success(const token& done) override { body.came_up(done); }
-    void on_failure(const token& done) override { body.events_.on_refused(done.get_return_code()); }
+    void on_failure(const token& done) override { body.was_refused(done); }
     Body& body;
   } connecting_{*this};
   struct Publishing final : iaction_listener {
     explicit Publishing(Body& to_body) : body(to_body) {}
     void on_success(const token& done) override { body.was_sent(done, Delivery::done); }
     void on_failure(const token& done) override {
-      const bool refused = static_cast<int>(done.get_reason_code()) >= kFirstFailure;
+      const bool refused = is_failure(static_cast<int>(done.get_reason_code()));
       body.was_sent(done, refused ? Delivery::refused : Delivery::failed);
     }
     Body& body;
@@ -198,37 +252,44 @@ class Connection::Body final : private callback {
   struct Subscribing final : iaction_listener {
     explicit Subscribing(Body& to_body) : body(to_body) {}
     void on_success(const token& done) override { body.was_granted(done); }
-    void on_failure(const token& done) override { body.was_answered(done, kFirstFailure); }
+    void on_failure(const token& done) override {
+      const int code = static_cast<int>(done.get_reason_code());
+      body.was_answered(done, is_failure(code) ? code : kUnspecified);
+    }
     Body& body;
   } subscribing_{*this};
   async_client client_;  ///< The last member: gone before what it calls.
 };
 
-Connection::Connection(const ConnectionSettings& settings, ConnectionEvents& events) {
-  try {
-    body_ = std::make_unique<Body>(settings, events);
-  } catch (const std::exception&) {
-    body_ = nullptr;  // connect() tells
-  }
-}
+namespace {
 
-Connection::~Connection() = default;
-
-bool Connection::connect() {
-  if (!body_) {
-    return false;
-  }
+template <class Call>
+bool succeeds(Call call) {
   try {
-    body_->connect();
+    call();
     return true;
   } catch (const std::exception&) {
     return false;
   }
 }
 
-Connection::Sent Connection::publish(Message message, InFlight& in_flight) {
+}  // namespace
+
+Client::Client(const ClientSettings& settings, ClientEvents& events) {
+  if (!succeeds([&] { body_ = std::make_unique<Body>(settings, events); })) {
+    body_ = nullptr;  // connect() tells
+  }
+}
+
+Client::~Client() = default;
+
+bool Client::connect() {
+  return body_ && succeeds([this] { body_->connect(); });
+}
+
+Client::Sent Client::publish(const Message& message) {
   try {
-    body_->publish(std::move(message), in_flight);
+    body_->publish(message);
     return Sent::yes;
   } catch (const exception& failure) {
     return failure.get_return_code() == MQTTASYNC_BAD_UTF8_STRING ? Sent::unfit : Sent::broken;
@@ -237,30 +298,16 @@ Connection::Sent Connection::publish(Message message, InFlight& in_flight) {
   }
 }
 
-bool Connection::subscribe(const std::vector<Subscription>& subscriptions) {
-  try {
-    body_->subscribe(subscriptions);
-    return true;
-  } catch (const std::exception&) {
-    return false;
-  }
+bool Client::subscribe(const Subscription& subscription) {
+  return succeeds([&] { body_->subscribe(subscription); });
 }
 
-bool Connection::unsubscribe(const std::string& filter) {
-  try {
-    body_->unsubscribe(filter);
-    return true;
-  } catch (const std::exception&) {
-    return false;
-  }
+bool Client::unsubscribe(const std::string& filter) {
+  return succeeds([&] { body_->unsubscribe(filter); });
 }
 
-void Connection::disconnect(std::chrono::milliseconds patience, bool say_will) {
-  try {
-    body_->disconnect(patience, say_will);
-  } catch (const std::exception&) {
-    return;  // it is gone already
-  }
+void Client::disconnect(std::chrono::milliseconds patience, bool say_will) {
+  (void)succeeds([&] { body_->disconnect(patience, say_will); });  // else it is gone already
 }
 
 }  // namespace mqtt

@@ -1,0 +1,204 @@
+// Brokers that close, refuse, hurry away or are slow: what is noticed, what is said, and what still arrives.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <future>
+#include <string>
+
+#include "tests/support/mosquitto.h"
+#include "tests/unit/mqtt/publisher_fixture.h"
+#include "tests/unit/mqtt/tiny_broker.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using test::TinyBroker;
+
+class BrokerFaults : public test::PublisherFixture {
+ protected:
+  void open() { publisher->open(connections.back()); }
+  [[nodiscard]] bool is_said(const std::string& text) const {
+    return std::ranges::any_of(notices, [&](const std::string& each) { return each.find(text) != std::string::npos; });
+  }
+  static bool has(const TinyBroker& broker, const std::string& text) {
+    const auto published = broker.published();
+    return std::ranges::find(published, text) != published.end();
+  }
+  static Message answer(std::string topic, std::string payload) {
+    return {.topic = std::move(topic), .payload = std::move(payload), .kind = MessageKind::answer, .retained = false};
+  }
+};
+
+class Disconnects : public BrokerFaults, public testing::WithParamInterface<std::pair<int, const char*>> {};
+
+TEST_P(Disconnects, AreNoticedAtOnceAndNamed) {
+  TinyBroker broker({.speaks_5 = true});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  open();
+  publisher->publish({{.topic = "a", .payload = "1"}});
+  ASSERT_TRUE(run_until([&] { return has(broker, "a=1"); }));
+  broker.disconnect(GetParam().first);  // while nothing is under way
+  const auto begun = Clock::now();
+  ASSERT_TRUE(run_until([this] { return disconnections == 1; }));
+  EXPECT_LT(Clock::now() - begun, 1s);
+  EXPECT_NE(reasons.at(0).find(GetParam().second), std::string::npos) << reasons[0];
+  EXPECT_TRUE(run_until([this] { return is_said(GetParam().second); }));
+  EXPECT_TRUE(connected(2));
+}
+
+INSTANTIATE_TEST_SUITE_P(Codes, Disconnects,
+                         testing::Values(std::pair(0x8E, "Session taken over (0x8E)"),
+                                         std::pair(0x8B, "Server shutting down (0x8B)")));
+
+TEST_F(BrokerFaults, AfterATakeOverItComesBackLate) {
+  TinyBroker broker({.speaks_5 = true});
+  PublisherSettings made = settings(broker.port());
+  made.pause_after_refusal = 1500ms;
+  make(std::move(made));
+  ASSERT_TRUE(connected());
+  broker.disconnect(0x8E);
+  ASSERT_TRUE(run_until([this] { return disconnections == 1; }));
+  const auto begun = Clock::now();
+  ASSERT_TRUE(connected(2));
+  EXPECT_GE(Clock::now() - begun, 1400ms);
+  EXPECT_TRUE(is_said("another client has the client id canopen-gateway-line3"));
+  broker.disconnect(0x8B);
+  const auto again = Clock::now();
+  ASSERT_TRUE(connected(3));
+  EXPECT_LT(Clock::now() - again, 1400ms) << "only after a take-over";
+}
+
+TEST_F(BrokerFaults, AnAnswerThatTheBrokerClosesOnIsTriedOnceMoreAtMost) {
+  TinyBroker broker({.speaks_5 = true, .hates = "poison"});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  open();
+  publisher->publish({answer("poison", "x"), {.topic = "v", .payload = "1"}});
+  std::size_t opened = 1;
+  ASSERT_TRUE(run_until([&] {
+    if (connections.size() > opened) {  // as the bridge does: everything again
+      opened = connections.size();
+      publisher->publish({{.topic = "v", .payload = "1"}});
+      open();
+    }
+    return has(broker, "v=1");
+  }));
+  EXPECT_TRUE(run_until([this] { return publisher->counts().answers_dropped == 1; }));
+  EXPECT_LE(connections.size(), 3U);
+  publisher->publish({answer("fine", "y")});
+  EXPECT_TRUE(run_until([&] { return has(broker, "fine=y"); })) << "and everything goes on";
+  EXPECT_TRUE(is_said("answers dropped"));
+}
+
+TEST_F(BrokerFaults, ABrokerThatClosesOnMqtt5IsAskedFor311TheSecondTime) {
+  TinyBroker broker({.closes_on_5 = true});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  EXPECT_EQ(broker.levels(), (std::vector<int>{5, 5, 4}));
+  EXPECT_TRUE(is_said("closed before the broker answers"));
+  EXPECT_TRUE(is_said("MQTT 3.1.1"));
+}
+
+TEST_F(BrokerFaults, AVersionThatIsConfiguredIsTheOnlyOne) {
+  TinyBroker broker({.closes_on_5 = true});
+  PublisherSettings made = settings(broker.port());
+  made.version = 5;
+  make(made);
+  ASSERT_TRUE(run_until([&broker] { return broker.levels().size() >= 4; }));
+  EXPECT_TRUE(std::ranges::all_of(broker.levels(), [](int level) { return level == 5; }));
+  publisher.reset();
+  TinyBroker other({});
+  made = settings(other.port());
+  made.version = 4;
+  make(made);
+  ASSERT_TRUE(connected());
+  EXPECT_EQ(other.levels(), std::vector<int>{4});
+}
+
+TEST_F(BrokerFaults, ASlowBrokerGetsAlarmsAndAnswersAtOnceAndNoOldValue) {
+  TinyBroker broker({.speaks_5 = true, .slow = 20ms});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  open();
+  constexpr int kTopics = 50;  // a second of the broker's work
+  const auto begun = Clock::now();
+  const auto elapsed = [&begun](Clock::time_point at) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(at - begun);
+  };
+  Clock::time_point raised{};
+  auto next = begun;
+  ASSERT_TRUE(run_until([&] {
+    if (const auto now = Clock::now(); now >= next) {
+      next += 50ms;
+      std::vector<Message> batch;
+      for (int i = 0; i < kTopics; ++i) {
+        batch.push_back({.topic = "v" + std::to_string(i), .payload = std::to_string(elapsed(now).count())});
+      }
+      if (raised == Clock::time_point{} && now - begun > 3s) {
+        raised = now;
+        batch.push_back({.topic = "alarm", .payload = "on", .kind = MessageKind::alarm});
+        batch.push_back(answer("reply", "ok"));
+      }
+      publisher->publish(std::move(batch));
+    }
+    return Clock::now() - begun > 5s;
+  }));
+  const auto published = broker.published();
+  const auto times = broker.times();
+  ASSERT_GT(published.size(), 100U);
+  ASSERT_TRUE(has(broker, "alarm=on") && has(broker, "reply=ok"));
+  std::chrono::milliseconds oldest{};
+  for (std::size_t i = 0; i < std::min(published.size(), times.size()); ++i) {
+    const std::string payload = published[i].substr(published[i].find('=') + 1);
+    if (payload == "on" || payload == "ok") {
+      EXPECT_LT(times[i] - raised, 1s) << published[i];
+      continue;
+    }
+    oldest = std::max(oldest, elapsed(times[i]) - std::chrono::milliseconds(std::stoi(payload)));
+  }
+  EXPECT_LT(oldest, 2s);
+}
+
+TEST_F(BrokerFaults, AThreadThatHangsIsNotAlive) {
+  std::promise<void> release;
+  PublisherSettings made = settings(1);
+  made.resolve_patience = 200ms;
+  made.resolver = [released = release.get_future().share()](const config::Endpoint&) {
+    released.wait();
+    return std::vector<std::string>{};
+  };
+  make(std::move(made));
+  EXPECT_TRUE(publisher->alive());
+  EXPECT_TRUE(run_until([this] { return !publisher->alive(); }));
+  release.set_value();
+  EXPECT_TRUE(run_until([this] { return publisher->alive(); }));
+}
+
+TEST_F(BrokerFaults, WhatIsTooLongForTheBrokerIsNeverSent) {
+  support::Mosquitto broker("max_packet_size 3000\n");
+  ASSERT_TRUE(broker.start());
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"#", 1}}));
+  open();
+  Message longest = answer("fits", "x");
+  longest.correlation = std::string(2980, 'c');
+  longest.correlation->resize(2980 - (packet_size(longest, 5, 1) - 3000));
+  ASSERT_EQ(packet_size(longest, 5, 1), 3000U);
+  Message too_long = longest;
+  too_long.topic = "fits_not";
+  Message big = answer("big", std::string(100, 'x'));
+  big.correlation = std::string(2880, 'c');
+  publisher->publish({too_long, big, longest, {.topic = "v", .payload = "1"}});
+  ASSERT_TRUE(run_until([this] { return has_message("fits") && has_message("v"); }));
+  EXPECT_FALSE(has_message("fits_not"));
+  EXPECT_EQ(disconnections, 0U);
+  EXPECT_EQ(publisher->counts().messages_dropped, has_message("big") ? 1U : 2U);
+  EXPECT_TRUE(is_said("fits_not is longer"));
+}
+
+}  // namespace
+}  // namespace mqtt
