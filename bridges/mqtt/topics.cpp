@@ -64,20 +64,28 @@ std::string status_topic(std::string_view base, std::string_view gateway) {
 }
 
 bool matches(std::string_view filter, std::string_view topic) {
-  const std::vector<std::string_view> wanted = levels_of(filter);
-  const std::vector<std::string_view> levels = levels_of(topic);
-  if (topic.starts_with('$') && (wanted.front() == "#" || wanted.front() == "+")) {
+  if (topic.starts_with('$') && !filter.starts_with('$')) {
     return false;  // MQTT 5 §4.7.2
   }
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i] == "#") {
-      return true;  // of nothing more, too: `a/#` stands for `a`
+  for (;;) {
+    const std::string_view wanted = filter.substr(0, filter.find('/'));
+    const std::string_view level = topic.substr(0, topic.find('/'));
+    if (wanted == "#") {
+      return true;
     }
-    if (i >= levels.size() || (wanted[i] != "+" && wanted[i] != levels[i])) {
+    if (wanted != "+" && wanted != level) {
       return false;
     }
+    const bool last_wanted = wanted.size() == filter.size();
+    filter.remove_prefix(std::min(wanted.size() + 1, filter.size()));
+    if (level.size() == topic.size()) {
+      return last_wanted || filter == "#";  // `a/#` stands for `a`, too
+    }
+    if (last_wanted) {
+      return false;
+    }
+    topic.remove_prefix(level.size() + 1);
   }
-  return wanted.size() == levels.size();
 }
 
 Topics::Topics(const config::Model& model, const config::Mqtt& settings, std::string_view gateway)

@@ -9,7 +9,6 @@ namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
-using canopen::kNever;
 
 class StatusTopicTest : public testing::Test {
  protected:
@@ -45,12 +44,12 @@ TEST_F(StatusTopicTest, IsToldAtFirstAtEachChangeAndBeforeItExpires) {
   EXPECT_EQ(topic_.next(), start_ + 30s);
   EXPECT_EQ(collect(true, start_ + 30s), Payloads{"online"});
   EXPECT_EQ(collect(false, start_ + 31s), Payloads{"offline"});
-  EXPECT_EQ(topic_.next(), kNever) << "offline does not expire";
+  EXPECT_EQ(topic_.next(), canopen::kNever) << "offline does not expire";
   EXPECT_EQ(collect(true, start_ + 31s), Payloads{"online"});
 }
 
 TEST_F(StatusTopicTest, IsPutRightAtMostOnceASecond) {
-  EXPECT_EQ(topic_.received("offline", start_), kNever) << "nothing was said on this connection yet";
+  EXPECT_EQ(topic_.received("offline", start_), canopen::kNever) << "nothing was said on this connection yet";
   collect(true, start_);
   EXPECT_EQ(topic_.received("offline", start_ + 5s), start_ + 5s);
   EXPECT_EQ(collect(true, start_ + 5s), Payloads{"online"});
@@ -62,11 +61,11 @@ TEST_F(StatusTopicTest, IsPutRightAtMostOnceASecond) {
 
 TEST_F(StatusTopicTest, ItsOwnWordThatComesBackIsNoStrangers) {
   collect(true, start_);
-  EXPECT_EQ(topic_.received("online", start_ + 10ms), kNever);
+  EXPECT_EQ(topic_.received("online", start_ + 10ms), canopen::kNever);
   collect(false, start_ + 10s);
   EXPECT_EQ(topic_.received("online", start_ + 10s + 10ms), start_ + 11s) << "said before, it may come late";
-  EXPECT_EQ(topic_.received("offline", start_ + 10s + 20ms), kNever) << "and so may the last one";
-  EXPECT_EQ(topic_.next(), kNever);
+  EXPECT_EQ(topic_.received("offline", start_ + 10s + 20ms), canopen::kNever) << "and so may the last one";
+  EXPECT_EQ(topic_.next(), canopen::kNever);
   EXPECT_EQ(topic_.received("online", start_ + 12s), start_ + 12s) << "a stranger's";
 }
 
@@ -75,7 +74,7 @@ TEST_F(StatusTopicTest, ANewConnectionHearsItAgain) {
   topic_.received("online", start_ + 5s);
   topic_.forget();
   EXPECT_EQ(collect(false, start_ + 5s), Payloads{"offline"});
-  EXPECT_EQ(topic_.next(), kNever) << "what was wrong there is forgotten";
+  EXPECT_EQ(topic_.next(), canopen::kNever) << "what was wrong there is forgotten";
 }
 
 TEST_F(StatusTopicTest, ForEverNeedsNoRefreshing) {
@@ -86,7 +85,7 @@ TEST_F(StatusTopicTest, ForEverNeedsNoRefreshing) {
   topic.collect(true, start_, out);
   ASSERT_EQ(out.size(), 1U);
   EXPECT_EQ(out[0].expiry, 0U);
-  EXPECT_EQ(topic.next(), kNever);
+  EXPECT_EQ(topic.next(), canopen::kNever);
 }
 
 }  // namespace
