@@ -6,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "bridges/mqtt/reasons.h"
 #include "canopen/clock.h"
@@ -206,7 +207,7 @@ class Client::Body final : private callback {
     int code = kUnspecified;
     try {
       const subscribe_response response = done.get_subscribe_response();
-      const auto codes = response.get_reason_codes();
+      const std::vector<ReasonCode>& codes = response.get_reason_codes();
       code = codes.empty() ? kUnspecified : static_cast<int>(codes.front());
     } catch (const std::exception&) {
       code = kUnspecified;
