@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -214,8 +216,18 @@ struct Modbus {
   friend bool operator==(const Modbus&, const Modbus&) = default;
 };
 
+/// Of the protocol.
+enum class MqttVersion : std::uint8_t { automatic, v5, v3_1_1 };
+
+/// How long live topics outlive the gateway where the file does not say so.
+[[nodiscard]] constexpr Duration default_expiry(Duration max_interval) noexcept {
+  return std::max<Duration>(std::chrono::seconds(90), 3 * max_interval);
+}
+
 struct Mqtt {
   std::vector<Endpoint> brokers{{"127.0.0.1", 1883}};  ///< Exactly one in this version.
+  MqttVersion version = MqttVersion::automatic;
+  std::string client_id;  ///< Empty: `canopen-gateway-` and the gateway's name.
   std::string base = "canopen";
   std::string username;
   std::string password_file;  ///< Empty: none.
@@ -225,6 +237,9 @@ struct Mqtt {
   bool signals = true;
   Duration min_interval = std::chrono::milliseconds(250);
   Duration max_interval = std::chrono::seconds(60);
+  Duration expiry = default_expiry(max_interval);   ///< MQTT 5: of live topics; 0: they stand for ever.
+  std::optional<std::vector<std::string>> answers;  ///< Filters of response topics; nothing: any outside of `base`.
+  std::string stale_payload;                        ///< Of a plain topic while its value is not fresh.
   friend bool operator==(const Mqtt&, const Mqtt&) = default;
 };
 

@@ -8,6 +8,7 @@
 #include "bridges/mqtt/publisher.h"
 #include "daemon/control/plant_service.h"
 #include "daemon/journal_place.h"
+#include "daemon/program_health.h"
 
 namespace gateway {
 namespace {
@@ -76,6 +77,8 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
                                            mqtt::make_publisher(executor, *model.mqtt, model.gateway, log_notice),
                                            log_notice);
     plant_.add(*mqtt_);
+    mqtt_->tell_program_health_by(
+        [this] { return program_health(started_, journal_ ? journal_->newest_hash() : std::string()); });
     if (modbus_) {
       mqtt_->on_connected_change([this](bool connected) { modbus_->set_mqtt_connected(connected); });
     }

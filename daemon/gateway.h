@@ -14,6 +14,7 @@
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/link.h"
+#include "canopen/clock.h"
 #include "config/model.h"
 #include "daemon/control/server.h"
 #include "daemon/event_log.h"
@@ -52,6 +53,7 @@ class Gateway {
                                           const LinkFactory& make_link);
   static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
 
+  canopen::TimePoint started_ = canopen::Clock::now();
   std::unique_ptr<journal::Journal> journal_;  ///< None where there is no state directory.
   std::vector<BusInUse> buses_;
   process::Plant plant_;

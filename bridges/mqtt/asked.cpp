@@ -46,7 +46,8 @@ Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Par
       return asked(fields_of(*drive, {{std::string(route.signal), members.front().second}}));
     case Route::Kind::alive:
     case Route::Kind::stop_all:
-    case Route::Kind::watched:
+    case Route::Kind::alarm:
+    case Route::Kind::status:
       break;
   }
   return Error{.kind = ErrorKind::unknown, .detail = "nothing is asked for by this topic"};

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "bridges/mqtt/info.h"
-#include "bridges/mqtt/payload.h"
 
 namespace mqtt {
 namespace {
@@ -26,10 +25,12 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       version_(std::move(version)),
       broker_(std::move(broker)),
       notice_(std::move(notice)),
-      topics_(plant.model(), settings.base, gateway.name),
-      session_(*broker_, topics_),
+      topics_(plant.model(), settings, gateway.name),
+      session_(*broker_, topics_, notice_),
       requests_(executor, plant, topics_, [this](Message message) { publish(std::move(message)); }),
       alarms_(plant, topics_),
+      status_(topics_.status(), settings, true),
+      health_(topics_.health(), settings),
       next_(kNever),
       executor_(std::move(executor)),
       timer_(executor_),
@@ -71,9 +72,9 @@ boost::asio::awaitable<void> Bridge::stop() {
     alarms_.collect_last(last);
   }
   for (const Feed& feed : feeds_) {
-    last.push_back(feed.offline());
+    feed.collect_last(last);
   }
-  last.push_back({.topic = topics_.status(), .payload = online_text(false)});
+  last.push_back(status_.offline());
   co_await broker_->stop(std::move(last));
   session_.lost();
   follow_session();
@@ -107,7 +108,12 @@ void Bridge::on_control(const process::Drive& drive) {
 void Bridge::on_status(const process::Drive& drive) {
   if (session_.ready()) {
     wake(feeds_[drive.index()].mark_status(canopen::Clock::now()));
+    health_may_differ();
   }
+}
+
+void Bridge::on_bus(std::size_t /*bus*/) {
+  health_may_differ();
 }
 
 void Bridge::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
@@ -123,34 +129,67 @@ void Bridge::on_bus_alarm(std::size_t bus) {
 }
 
 void Bridge::on_connected(const Connected& connection) {
+  connection_ = connection;
   session_.connected(connection.id, canopen::Clock::now());
   wake(session_.deadline());
 }
 
-void Bridge::on_disconnected(const std::string& /*why*/) {
+void Bridge::on_disconnected(const std::string& why) {
+  connection_.reset();
+  last_break_ = why;
   session_.lost();
   follow_session();
 }
 
 void Bridge::on_subscribed(const Subscribed& subscribed) {
-  if (subscribed.refused) {
-    notice_(Level::error, "MQTT: the broker refuses the subscription of " + subscribed.filter + ": " +
-                              *subscribed.refused +
-                              "; commands, or what others write on topics of alarms, do not arrive. Give the "
-                              "gateway's user the right to read there");
-  }
-  session_.subscribed();
+  session_.subscribed(subscribed, canopen::Clock::now());
   wake(session_.deadline());
   follow_session();
+  health_may_differ();
 }
 
 void Bridge::on_message(Incoming message) {
   const auto route = topics_.route(message.topic);
-  if (route && route->kind == Route::Kind::watched) {
+  if (!route) {
+    return;
+  }
+  if (route->kind == Route::Kind::alarm) {
     wake(alarms_.received(message, canopen::Clock::now()));
-  } else if (route) {
+  } else if (route->kind == Route::Kind::status) {
+    status_received(message, *route);
+  } else {
     requests_.handle(message, *route);
   }
+}
+
+void Bridge::status_received(const Incoming& message, const Route& route) {
+  if (message.retained) {
+    return;  // the broker kept it from before it was subscribed to (MQTT 3.1.1): older than all that we said since
+  }
+  const canopen::TimePoint now = canopen::Clock::now();
+  if (route.drive.empty()) {
+    wake(status_.received(message.payload, now));
+  } else if (const process::Drive* drive = plant_.find(route.drive)) {
+    wake(feeds_[drive->index()].status_received(message.payload, now));
+  }
+}
+
+void Bridge::health_may_differ() {
+  if (session_.ready()) {
+    wake(health_.mark(canopen::Clock::now()));
+  }
+}
+
+process::BrokerHealth Bridge::broker_health() const {
+  process::BrokerHealth health{.refused = session_.refused(), .last_break = last_break_};
+  if (connection_) {
+    health.broker = connection_->broker;
+    health.protocol = connection_->version == 5 ? "5" : "3.1.1";
+  }
+  const BrokerCounts counts = broker_->counts();
+  health.messages_dropped = counts.messages_dropped;
+  health.answers_dropped = counts.answers_dropped;
+  return health;
 }
 
 boost::asio::awaitable<void> Bridge::run() {
@@ -184,8 +223,9 @@ void Bridge::announce() {
     feed.mark_all();
   }
   alarms_.mark_all();
+  health_.forget();
+  status_.forget();
   collect(canopen::Clock::now());
-  batch_.push_back({.topic = topics_.status(), .payload = online_text(true)});
   broker_->publish(std::exchange(batch_, {}));
   broker_->open(session_.connection());
 }
@@ -195,6 +235,16 @@ void Bridge::collect(canopen::TimePoint now) {
   for (Feed& feed : feeds_) {
     next_ = std::min(next_, feed.collect(now, batch_));
   }
+  if (health_.next() <= now) {
+    process::Health health = process::health_of(plant_);
+    health.broker = broker_health();
+    if (program_health_) {
+      health.program = program_health_();
+    }
+    health_.collect(std::move(health), now, batch_);
+  }
+  status_.collect(true, now, batch_);  // last: it says that all else is there
+  next_ = std::min({next_, health_.next(), status_.next()});
 }
 
 void Bridge::follow_session() {

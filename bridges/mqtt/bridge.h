@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,10 +13,13 @@
 #include "bridges/mqtt/alarm_topics.h"
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/feed.h"
+#include "bridges/mqtt/health_topic.h"
 #include "bridges/mqtt/notice.h"
 #include "bridges/mqtt/requests.h"
 #include "bridges/mqtt/session.h"
+#include "bridges/mqtt/status_topic.h"
 #include "bridges/mqtt/topics.h"
+#include "bridges/process/health.h"
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
@@ -36,8 +40,8 @@ class Bridge final : public process::Observer, private BrokerEvents {
   Bridge& operator=(const Bridge&) = delete;
 
   void start();
-  /// Waits for commands under way, says `offline` of every drive and of the gateway, and disconnects; within a few
-  /// seconds, whatever the broker does. Before Plant::stop().
+  /// Waits for commands under way, says that no value is live, and `offline` of every drive and of the gateway, and
+  /// disconnects; within a few seconds, whatever the broker does. Before Plant::stop().
   boost::asio::awaitable<void> stop();
 
   /// Connected to the broker, and everything was published once.
@@ -45,13 +49,19 @@ class Bridge final : public process::Observer, private BrokerEvents {
   /// Called on the loop whenever connected() changes.
   void on_connected_change(std::function<void(bool)> function) { connected_change_ = std::move(function); }
 
+  /// Gives what `B/health` tells of the program; called on the loop. Without it that part is empty.
+  void tell_program_health_by(std::function<process::ProgramHealth()> function) {
+    program_health_ = std::move(function);
+  }
+  [[nodiscard]] process::BrokerHealth broker_health() const;
+
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_commanded(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_control(const process::Drive& drive) override;
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
-  void on_bus(std::size_t /*bus*/) override {}
+  void on_bus(std::size_t bus) override;
   void on_bus_alarm(std::size_t bus) override;
 
  private:
@@ -66,6 +76,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   canopen::TimePoint turn();
   void announce();
   void collect(canopen::TimePoint now);
+  /// Somebody published on the topic of a status.
+  void status_received(const Incoming& message, const Route& route);
+  void health_may_differ();
   void follow_session();
   void wake(canopen::TimePoint at);
   void publish(Message message);
@@ -78,10 +91,15 @@ class Bridge final : public process::Observer, private BrokerEvents {
   Session session_;
   Requests requests_;
   AlarmTopics alarms_;
+  StatusTopic status_;
+  HealthTopic health_;
   std::vector<Feed> feeds_;     ///< By drive.
   std::vector<Message> batch_;  ///< Of this turn.
   canopen::TimePoint next_;     ///< When something of the alarms or feeds is due.
   std::function<void(bool)> connected_change_;
+  std::function<process::ProgramHealth()> program_health_;
+  std::optional<Connected> connection_;
+  std::string last_break_;  ///< Why the last connection ended.
   bool was_connected_ = false;
 
   boost::asio::any_io_executor executor_;

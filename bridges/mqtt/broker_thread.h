@@ -70,7 +70,7 @@ class BrokerThread final : private ClientEvents {
     bool stays = false;  ///< Trying again at once is of no use.
   };
   struct Order {
-    ConnectionId connection;
+    ConnectionId connection = 0;
     Subscription subscription;
     bool subscribe = true;
   };

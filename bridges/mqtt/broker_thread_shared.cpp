@@ -1,11 +1,11 @@
 // What the loop and Paho's threads tell the broker's thread; all of it takes the lock.
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "bridges/mqtt/broker_thread.h"
 #include "bridges/mqtt/reasons.h"
+#include "bridges/mqtt/topics.h"
 
 namespace mqtt {
 namespace {
@@ -15,25 +15,6 @@ using namespace std::chrono_literals;
 // alive(): longest time in which nothing leaves that could.
 constexpr auto kNothingLeaves = 60s;
 constexpr std::size_t kMaxTopicsSaid = 1000;
-
-// A topic and a filter (MQTT 5 §4.7).
-bool matches(std::string_view filter, std::string_view topic) {
-  for (;;) {
-    const std::string_view wanted = filter.substr(0, filter.find('/'));
-    const std::string_view level = topic.substr(0, topic.find('/'));
-    if (wanted == "#") {
-      return true;
-    }
-    if (wanted != "+" && wanted != level) {
-      return false;
-    }
-    if (wanted.size() == filter.size() || level.size() == topic.size()) {
-      return wanted.size() == filter.size() && level.size() == topic.size();
-    }
-    filter.remove_prefix(wanted.size() + 1);
-    topic.remove_prefix(level.size() + 1);
-  }
-}
 
 }  // namespace
 

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 
+#include "bridges/mqtt/expiry.h"
 #include "bridges/mqtt/payload.h"
 
 namespace mqtt {
 
 Feed::Feed(const process::Drive& drive, const DriveTopics& topics, const config::Mqtt& settings)
-    : drive_(drive), topics_(topics), settings_(settings), pace_(drive.model(), settings) {
+    : drive_(drive),
+      topics_(topics),
+      settings_(settings),
+      pace_(drive.model(), settings),
+      status_(topics.status, settings) {
   mark_all();
 }
 
@@ -41,6 +46,7 @@ canopen::TimePoint Feed::mark_control(canopen::TimePoint now) {
 }
 
 void Feed::mark_all() {
+  status_.forget();
   online_.reset();
   nmt_.reset();
   control_due_ = true;
@@ -49,10 +55,8 @@ void Feed::mark_all() {
 
 canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& out) {
   const bool online = drive_.status().online;
-  if (online_ != online) {
-    online_ = online;
-    out.push_back({.topic = topics_.status, .payload = online_text(online)});
-  }
+  status_.collect(online, now, out);
+  online_ = online;
   if (control_due_) {
     control_due_ = false;
     out.push_back({.topic = topics_.control, .payload = control_json(drive_.control())});
@@ -61,11 +65,19 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
   collect_state(now, out);
   collect_signals(now, out);
   pace_.collected();
-  return pace_.next();
+  return std::min(pace_.next(), status_.next());
 }
 
-Message Feed::offline() const {
-  return {.topic = topics_.status, .payload = online_text(false)};
+void Feed::collect_last(std::vector<Message>& out) const {
+  if (settings_.state) {
+    out.push_back({.topic = topics_.state, .payload = farewell_state_json(drive_, pace_)});
+  }
+  for (std::size_t i = 0; settings_.signals && i < topics_.signals.size(); ++i) {
+    if (config::readable(drive_.model().signals[i].access)) {
+      out.push_back({.topic = topics_.signals[i], .payload = settings_.stale_payload});
+    }
+  }
+  out.push_back(status_.offline());
 }
 
 void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {
@@ -77,7 +89,10 @@ void Feed::collect_signals(canopen::TimePoint now, std::vector<Message>& out) {
     if (!pace_.signal_due(signal, now)) {
       continue;
     }
-    out.push_back({.topic = topics_.signals[i], .payload = signal_text(drive_, signal, pace_.shape(signal), now)});
+    const auto text = signal_text(drive_, signal, pace_.shape(signal), now);
+    out.push_back({.topic = topics_.signals[i],
+                   .payload = text.value_or(settings_.stale_payload),
+                   .expiry = text ? expiry_of(settings_) : 0});
     const process::Image& image = drive_.image();
     pace_.published_signal(signal, image.raw(signal), image.fresh(signal, now), now);
   }
@@ -87,7 +102,7 @@ void Feed::collect_state(canopen::TimePoint now, std::vector<Message>& out) {
   if (!pace_.state_due(now)) {
     return;
   }
-  out.push_back({.topic = topics_.state, .payload = state_json(drive_, pace_, now)});
+  out.push_back({.topic = topics_.state, .payload = state_json(drive_, pace_, now), .expiry = expiry_of(settings_)});
   const process::Image& image = drive_.image();
   nmt_ = drive_.status().nmt;
   fresh_ = image.all_fresh(now);

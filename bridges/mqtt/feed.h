@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/pace.h"
+#include "bridges/mqtt/status_topic.h"
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/drive.h"
 #include "config/model.h"
@@ -22,6 +24,10 @@ class Feed {
   canopen::TimePoint mark_values(std::span<const process::SignalId> signals, canopen::TimePoint now);
   canopen::TimePoint mark_status(canopen::TimePoint now);
   canopen::TimePoint mark_control(canopen::TimePoint now);
+  /// Somebody published on the topic of the status, perhaps we ourselves.
+  canopen::TimePoint status_received(std::string_view payload, canopen::TimePoint now) {
+    return status_.received(payload, now);
+  }
   /// Everything is due: a new connection.
   void mark_all();
 
@@ -30,8 +36,8 @@ class Feed {
   /// Appends what is due; returns when something is due next.
   canopen::TimePoint collect(canopen::TimePoint now, std::vector<Message>& out);
 
-  /// What an orderly end says of the drive.
-  [[nodiscard]] Message offline() const;
+  /// Appends what an orderly end says of the drive: nothing of it is live any more.
+  void collect_last(std::vector<Message>& out) const;
 
  private:
   void collect_signals(canopen::TimePoint now, std::vector<Message>& out);
@@ -41,6 +47,7 @@ class Feed {
   const DriveTopics& topics_;
   const config::Mqtt& settings_;
   Pace pace_;
+  StatusTopic status_;
   std::optional<bool> online_;  ///< As published.
   std::optional<canopen::NmtState> nmt_;
   bool fresh_ = false;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bridges/mqtt/expiry.h"
+
 namespace mqtt {
 namespace {
 
@@ -112,15 +114,15 @@ canopen::TimePoint Pace::due(const Entry& entry) const {
   if (entry.pending) {
     return *entry.at + settings_.min_interval;
   }
-  // An emptied topic says the same for good.
-  return entry.fresh ? *entry.at + settings_.max_interval : kNever;
+  // One that shows no value says the same for good.
+  return entry.fresh ? *entry.at + refresh_interval(settings_) : kNever;
 }
 
 canopen::TimePoint Pace::state_due_at() const {
   if (!state_at_ || state_urgent_) {
     return kAtOnce;
   }
-  return *state_at_ + (state_pending_ ? settings_.min_interval : settings_.max_interval);
+  return *state_at_ + (state_pending_ ? settings_.min_interval : refresh_interval(settings_));
 }
 
 }  // namespace mqtt

@@ -11,8 +11,8 @@
 namespace mqtt {
 
 /// Decides when the values of one drive are published: when they changed by more than their deadband, not more often
-/// than `min_interval`, at least every `max_interval`; booleans, enumerations and the coming and going of freshness at
-/// once. Holds no value itself but the last published one of each signal.
+/// than `min_interval`, at least every `max_interval` and before they expire; booleans, enumerations and the coming and
+/// going of freshness at once. Holds no value itself but the last published one of each signal.
 class Pace {
  public:
   Pace(const config::Drive& drive, const config::Mqtt& settings);

@@ -8,16 +8,6 @@
 namespace mqtt {
 namespace {
 
-std::optional<canopen::WallTime> newest_value(const process::Image& image) {
-  std::optional<canopen::WallTime> newest;
-  for (const process::SourceState& source : image.sources()) {
-    if (source.received && (!newest || source.wall > *newest)) {
-      newest = source.wall;
-    }
-  }
-  return newest;
-}
-
 // A word with names has its number beside it, unless a signal of that name exists.
 std::optional<std::string> code_key(const config::Drive& model, const config::Signal& signal) {
   std::string key = signal.name + "_code";
@@ -45,7 +35,9 @@ void append_named(text::ObjectText& object, const config::Drive& model, const co
   }
 }
 
-void append_values(std::string& out, const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
+// Nothing is fresh without a time.
+void append_values(std::string& out, const process::Drive& drive, const Pace& pace,
+                   std::optional<canopen::TimePoint> now) {
   const config::Drive& model = drive.model();
   const process::Image& image = drive.image();
   text::ObjectText object(out);
@@ -58,7 +50,7 @@ void append_values(std::string& out, const process::Drive& drive, const Pace& pa
     const auto id = static_cast<process::SignalId>(i);
     const Shape shape = pace.shape(id);
     text.clear();
-    const bool fresh = image.fresh(id, now) && append_value(text, signal, shape, image.raw(id));
+    const bool fresh = now && image.fresh(id, *now) && append_value(text, signal, shape, image.raw(id));
     if (shape == Shape::name) {
       append_named(object, model, signal, text, image.raw(id), fresh);
     } else if (fresh) {
@@ -70,30 +62,57 @@ void append_values(std::string& out, const process::Drive& drive, const Pace& pa
   object.close();
 }
 
-}  // namespace
+struct Head {
+  bool online = false;
+  canopen::NmtState nmt = canopen::NmtState::unknown;
+  bool fresh = false;
+};
 
-std::string state_json(const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
+std::string state_text(const process::Drive& drive, const Pace& pace, const Head& head,
+                       std::optional<canopen::TimePoint> now) {
   std::string out;
   out.reserve(128 + 32 * drive.model().signals.size());
   text::ObjectText object(out);
-  if (const auto ts = newest_value(drive.image())) {
+  if (const auto ts = newest_value(drive.image().sources())) {
     object.text("ts", text::timestamp(*ts));
   } else {
     object.null("ts");
   }
-  object.boolean("online", drive.status().online);
-  object.text("nmt", canopen::name_of(drive.status().nmt));
-  object.boolean("fresh", drive.image().all_fresh(now));
+  object.boolean("online", head.online);
+  object.text("nmt", canopen::name_of(head.nmt));
+  object.boolean("fresh", head.fresh);
   append_values(object.key("values"), drive, pace, now);
   object.close();
   return out;
 }
 
-std::string signal_text(const process::Drive& drive, process::SignalId signal, Shape shape, canopen::TimePoint now) {
+}  // namespace
+
+std::optional<canopen::WallTime> newest_value(std::span<const process::SourceState> sources) {
+  const process::SourceState* newest = nullptr;
+  for (const process::SourceState& source : sources) {
+    if (source.received && (newest == nullptr || source.at > newest->at)) {
+      newest = &source;
+    }
+  }
+  return newest == nullptr ? std::nullopt : std::optional(newest->wall);
+}
+
+std::string state_json(const process::Drive& drive, const Pace& pace, canopen::TimePoint now) {
+  const Head head{.online = drive.status().online, .nmt = drive.status().nmt, .fresh = drive.image().all_fresh(now)};
+  return state_text(drive, pace, head, now);
+}
+
+std::string farewell_state_json(const process::Drive& drive, const Pace& pace) {
+  return state_text(drive, pace, {}, std::nullopt);
+}
+
+std::optional<std::string> signal_text(const process::Drive& drive, process::SignalId signal, Shape shape,
+                                       canopen::TimePoint now) {
   std::string text;
   const process::Image& image = drive.image();
   if (!image.fresh(signal, now) || !append_value(text, drive.model().signals[signal], shape, image.raw(signal))) {
-    return {};
+    return std::nullopt;
   }
   return text;
 }

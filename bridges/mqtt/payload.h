@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 
 #include "bridges/mqtt/pace.h"
@@ -9,12 +11,19 @@
 
 namespace mqtt {
 
+/// When the newest value was received, by the monotonic clock: the time of day may have been set back since an older
+/// one.
+[[nodiscard]] std::optional<canopen::WallTime> newest_value(std::span<const process::SourceState> sources);
+
 /// What `B/<drive>/state` says: every readable signal, null where it is not fresh.
 [[nodiscard]] std::string state_json(const process::Drive& drive, const Pace& pace, canopen::TimePoint now);
 
-/// What `B/<drive>/<signal>` says; empty where the value is not fresh.
-[[nodiscard]] std::string signal_text(const process::Drive& drive, process::SignalId signal, Shape shape,
-                                      canopen::TimePoint now);
+/// What an orderly end leaves there: offline, and null for everything.
+[[nodiscard]] std::string farewell_state_json(const process::Drive& drive, const Pace& pace);
+
+/// What `B/<drive>/<signal>` says; nothing where the value is not fresh, or no number.
+[[nodiscard]] std::optional<std::string> signal_text(const process::Drive& drive, process::SignalId signal, Shape shape,
+                                                     canopen::TimePoint now);
 
 /// What `B/<drive>/control` says: who holds the lease, and whether the command timeout has acted. Of one form always:
 /// where nobody holds it, `holder` and `since` are null.

@@ -49,7 +49,7 @@ class Publisher final : public Broker {
   bool ended_ = false;
 };
 
-/// As a site configured it. The client id is `canopen-gateway-<name>`.
+/// As a site configured it. The client id is `canopen-gateway-<name>` where it names none.
 [[nodiscard]] PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway);
 [[nodiscard]] std::unique_ptr<Broker> make_publisher(boost::asio::any_io_executor executor, const config::Mqtt& mqtt,
                                                      const config::Gateway& gateway, Notice notice);

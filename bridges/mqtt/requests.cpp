@@ -45,7 +45,7 @@ process::CommandRecord::Kind kind_of(const Route& route) {
 }
 
 bool carries_no_command(const Route& route) {
-  return route.kind == Route::Kind::watched || route.kind == Route::Kind::alive;
+  return route.kind == Route::Kind::alarm || route.kind == Route::Kind::status || route.kind == Route::Kind::alive;
 }
 
 }  // namespace
@@ -176,11 +176,12 @@ std::optional<Error> Requests::refuse_sender(const Incoming& incoming, const Com
     // One without a mistake is refused by its drive, so that it stands in the journal.
     return command.asked.has_error() ? process::refuse_writer(command.drive->model(), mqtt_writer()) : std::nullopt;
   }
-  // A stop for all is not lost for the sake of its answer.
-  const bool stops_all = command.drive == nullptr && command.stops;
-  if (!stops_all && !incoming.response_topic.empty() && command.to.topic != incoming.response_topic) {
-    return Error{.kind = ErrorKind::forbidden,
-                 .detail = "the response topic belongs to the gateways; name one outside of their topics"};
+  // A stop is not lost for the sake of its answer.
+  if (!command.stops && !incoming.response_topic.empty() && command.to.topic != incoming.response_topic) {
+    return Error{
+        .kind = ErrorKind::forbidden,
+        .detail =
+            "no answer goes to this response topic; name one outside of the gateways' topics and inside of `answers`"};
   }
   return std::nullopt;
 }

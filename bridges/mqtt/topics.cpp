@@ -63,10 +63,37 @@ std::string status_topic(std::string_view base, std::string_view gateway) {
   return std::string(base) + "/" + std::string(gateway) + "/status";
 }
 
-Topics::Topics(const config::Model& model, std::string base, std::string_view gateway)
-    : base_(std::move(base)),
+bool matches(std::string_view filter, std::string_view topic) {
+  if (topic.starts_with('$') && !filter.starts_with('$')) {
+    return false;  // MQTT 5 §4.7.2
+  }
+  for (;;) {
+    const std::string_view wanted = filter.substr(0, filter.find('/'));
+    const std::string_view level = topic.substr(0, topic.find('/'));
+    if (wanted == "#") {
+      return true;
+    }
+    if (wanted != "+" && wanted != level) {
+      return false;
+    }
+    const bool last_wanted = wanted.size() == filter.size();
+    filter.remove_prefix(std::min(wanted.size() + 1, filter.size()));
+    if (level.size() == topic.size()) {
+      return last_wanted || filter == "#";  // `a/#` stands for `a`, too
+    }
+    if (last_wanted) {
+      return false;
+    }
+    topic.remove_prefix(level.size() + 1);
+  }
+}
+
+Topics::Topics(const config::Model& model, const config::Mqtt& settings, std::string_view gateway)
+    : base_(settings.base),
+      answers_(settings.answers),
       root_(base_ + "/" + std::string(gateway)),
       status_(status_topic(base_, gateway)),
+      health_(root_ + "/health"),
       info_(root_ + "/info"),
       result_(root_ + "/result"),
       alarms_(root_ + "/alarms") {
@@ -88,7 +115,9 @@ std::vector<Subscription> Topics::command_subscriptions() const {
 }
 
 std::vector<Subscription> Topics::watched_subscriptions() const {
-  std::vector<Subscription> watched{{.filter = root_ + "/bus/+/alarm", .watched = true},
+  std::vector<Subscription> watched{{.filter = status_, .watched = true},
+                                    {.filter = root_ + "/+/status", .watched = true},
+                                    {.filter = root_ + "/bus/+/alarm", .watched = true},
                                     {.filter = alarms_, .watched = true}};
   // Not `+/alarm/+`: that overlaps with a command's filter, so that both would come twice.
   for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
@@ -110,7 +139,13 @@ std::optional<Route> Topics::route(std::string_view topic) const {
     return Route{Route::Kind::set_drive, levels[0], {}};
   }
   if (*rest == "alarms") {
-    return Route{Route::Kind::watched, {}, {}};
+    return Route{Route::Kind::alarm, {}, {}};
+  }
+  if (*rest == "status") {
+    return Route{Route::Kind::status, {}, {}};
+  }
+  if (levels.size() == 2 && levels[1] == "status") {
+    return Route{Route::Kind::status, levels[0], {}};
   }
   if (levels.size() != 3) {
     return std::nullopt;
@@ -126,7 +161,7 @@ std::optional<Route> Topics::route(std::string_view topic) const {
     return Route{Route::Kind::alive, levels[0], {}};
   }
   if (levels[1] == "alarm" || (levels[0] == "bus" && levels[2] == "alarm")) {
-    return Route{Route::Kind::watched, levels[0], {}};
+    return Route{Route::Kind::alarm, levels[0], {}};
   }
   return std::nullopt;
 }
@@ -135,27 +170,11 @@ bool Topics::refused_as_response(std::string_view topic) const {
   if (!is_publishable(topic)) {
     return true;
   }
-  const auto rest = below(topic, base_);
-  if (!rest) {
-    return false;
-  }
-  const std::vector<std::string_view> levels = levels_of(*rest);
-  if (levels.back() == "set" || levels.back() == "request" || levels.back() == "alive") {
+  if (topic == base_ || below(topic, base_)) {
     return true;
   }
-  if (levels.size() == 2 && levels[1] == "stop") {  // of any gateway of this base
-    return true;
-  }
-  if (topic == status_ || topic == info_ || topic == alarms_) {
-    return true;
-  }
-  return std::any_of(drives_.begin(), drives_.end(),
-                     [topic](const DriveTopics& drive) {
-                       const std::string_view parent =
-                           std::string_view(drive.status).substr(0, drive.status.rfind('/'));
-                       return below(topic, parent) && topic != drive.sdo_response;
-                     }) ||
-         std::find(bus_alarms_.begin(), bus_alarms_.end(), topic) != bus_alarms_.end();
+  return answers_ && std::none_of(answers_->begin(), answers_->end(),
+                                  [topic](const std::string& filter) { return matches(filter, topic); });
 }
 
 }  // namespace mqtt

@@ -25,18 +25,20 @@ struct DriveTopics {
 
 /// What a message is about, by its topic. Nothing in it is checked to exist.
 struct Route {
-  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, watched };
+  /// `alarm`, `status`: of ours, where somebody else may have written.
+  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm, status };
   Kind kind = Kind::set_signal;
-  std::string_view drive;   ///< A part of the topic; empty: all.
+  std::string_view drive;   ///< A part of the topic; empty: all, or the gateway itself.
   std::string_view signal;  ///< Of set_signal.
 };
 
 /// Every topic of a gateway, `B` being `<base>/<gateway>`.
 class Topics {
  public:
-  Topics(const config::Model& model, std::string base, std::string_view gateway);
+  Topics(const config::Model& model, const config::Mqtt& settings, std::string_view gateway);
 
   [[nodiscard]] const std::string& status() const noexcept { return status_; }
+  [[nodiscard]] const std::string& health() const noexcept { return health_; }
   [[nodiscard]] const std::string& info() const noexcept { return info_; }
   [[nodiscard]] const std::string& result() const noexcept { return result_; }
   [[nodiscard]] const std::string& root() const noexcept { return root_; }  ///< `B` itself.
@@ -47,24 +49,29 @@ class Topics {
 
   /// What commands come by, of any drive name: unknown ones are answered too.
   [[nodiscard]] std::vector<Subscription> command_subscriptions() const;
-  /// Topics of alarms, where nobody but we should write.
+  /// Topics of alarms and statuses, where nobody but we should write.
   [[nodiscard]] std::vector<Subscription> watched_subscriptions() const;
   /// Of a topic that one of these subscriptions matches.
   [[nodiscard]] std::optional<Route> route(std::string_view topic) const;
-  /// An answer sent there could be taken for a command or for something that we publish, by us or by another gateway of
-  /// the same base; or it is no topic one can publish to.
+  /// No answer goes there: it lies below `base`, where it could be taken for a command or for something that a gateway
+  /// publishes; or outside of `answers`; or nobody can publish to it.
   [[nodiscard]] bool refused_as_response(std::string_view topic) const;
 
  private:
   std::string base_;
+  std::optional<std::vector<std::string>> answers_;
   std::string root_;
   std::string status_;
+  std::string health_;
   std::string info_;
   std::string result_;
   std::string alarms_;
   std::vector<DriveTopics> drives_;
   std::vector<std::string> bus_alarms_;
 };
+
+/// What this filter stands for (MQTT 5 §4.7).
+[[nodiscard]] bool matches(std::string_view filter, std::string_view topic);
 
 /// `<base>/<gateway>/status`, the topic of the will.
 [[nodiscard]] std::string status_topic(std::string_view base, std::string_view gateway);

@@ -1,14 +1,12 @@
 #include "config/site/site.h"
 
 #include <algorithm>
-#include <variant>
 
 #include "config/schema/complaint.h"
 #include "config/site/endpoint.h"
 #include "config/site/site_keys.h"
 #include "config/text.h"
 #include "config/toml/document.h"
-#include "config/toml/files.h"
 
 namespace config {
 namespace {
@@ -98,60 +96,6 @@ void check_access(const Node& table, const Modbus& modbus, Report& report) {
   }
 }
 
-void check_brokers(const Node& table, Report& report) {
-  const Node* const list = table.find("brokers");
-  if (list == nullptr || list->kind != NodeKind::list) {
-    return;
-  }
-  if (list->items.empty()) {
-    report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
-  } else if (list->items.size() > 1) {
-    report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
-  }
-}
-
-void check_base(const Node& table, const std::string& base, Report& report) {
-  const bool good = !base.empty() && !base.starts_with('/') && !base.ends_with('/') && !base.starts_with('$') &&
-                    base.find_first_of("+#") == std::string::npos && base.find("//") == std::string::npos;
-  if (!good) {
-    report.error(place_of(table, "base"),
-                 "mqtt.base " + in_quotes(base) + " must be a topic without '+', '#', a leading '$', or an empty part");
-  }
-}
-
-/// The first line of the file; without secrets only what can be told without a look into it.
-std::string password_of(const Node& table, const std::filesystem::path& file, const std::string& stated,
-                        bool with_secrets, Report& report) {
-  const Place place = place_of(table, "password_file");
-  const std::string label = "mqtt.password_file " + in_quotes(stated);
-  const auto facts = look_at_file(file);
-  if (const auto* const failure = std::get_if<FileFailure>(&facts); failure != nullptr) {
-    report.error(place, label + " cannot be read: " + failure->reason);
-    return "";
-  }
-  if (std::get<FileFacts>(facts).readable_by_all) {
-    report.warning(place, label + " can be read by everybody on this machine; chmod o-r it");
-  }
-  if (std::get<FileFacts>(facts).size == 0) {
-    report.error(place, label + " is empty; its first line is the password");
-    return "";
-  }
-  if (!with_secrets) {
-    return "";
-  }
-  const auto content = read_file(file);
-  if (const auto* const failure = std::get_if<FileFailure>(&content); failure != nullptr) {
-    report.error(place, label + " cannot be read: " + failure->reason);
-    return "";
-  }
-  const std::string& text = std::get<std::string>(content);
-  std::string password = text.substr(0, text.find_first_of("\r\n"));
-  if (password.empty()) {
-    report.error(place, label + " begins with an empty line; its first line is the password");
-  }
-  return password;
-}
-
 }  // namespace
 
 Gateway read_gateway(const Node& root, const std::string& host_name, Report& report) {
@@ -196,29 +140,6 @@ std::optional<Modbus> read_modbus(const Node& root, Report& report) {
   check_listen(*table, report);
   check_access(*table, modbus, report);
   return modbus;
-}
-
-std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
-                              Report& report) {
-  const Node* const table = read_table(root, "mqtt");
-  if (table == nullptr) {
-    return std::nullopt;
-  }
-  Mqtt mqtt = mqtt_section().read(*table);
-  check_brokers(*table, report);
-  check_base(*table, mqtt.base, report);
-  if (mqtt.max_interval < mqtt.min_interval) {
-    const auto* const key = table->find("max_interval") != nullptr ? "max_interval" : "min_interval";
-    report.error(place_of(*table, key), "mqtt.max_interval is shorter than min_interval (" +
-                                            to_text(mqtt.max_interval) + ", " + to_text(mqtt.min_interval) + ")");
-  }
-  if (!mqtt.password_file.empty()) {
-    if (mqtt.username.empty()) {
-      report.error(place_of(*table, "password_file"), "mqtt.password_file needs username");
-    }
-    mqtt.password = password_of(*table, directory / mqtt.password_file, mqtt.password_file, with_secrets, report);
-  }
-  return mqtt;
 }
 
 }  // namespace config

@@ -14,6 +14,7 @@ using std::chrono::minutes;
 using std::chrono::seconds;
 
 constexpr hours kDay(24);
+constexpr hours kWeek(7 * 24);
 
 // sockaddr_un::sun_path has 108 bytes, the last of them 0.
 constexpr std::size_t kLongestSocket = 107;
@@ -120,8 +121,13 @@ const SectionOf<Mqtt>& mqtt_section() {
       "[mqtt]",
       {Field("brokers", &Mqtt::brokers, list("list of strings", broker()),
              "One broker in this version; `mqtts://` is for a later one."),
-       Field::later("version", "`auto`, `5`, `3.1.1`", "auto", "Of the protocol."),
-       Field::later("client_id", "string", "canopen-gateway-NAME", "Whom the broker knows the gateway as."),
+       Field("version", &Mqtt::version,
+             choice<MqttVersion>(
+                 {{"auto", MqttVersion::automatic}, {"5", MqttVersion::v5}, {"3.1.1", MqttVersion::v3_1_1}}),
+             "Of the protocol; `auto`: 5, and 3.1.1 where the broker does not know that."),
+       Field("client_id", &Mqtt::client_id, text(),
+             "Whom the broker knows the gateway as; no other client may have the same.")
+           .unset("canopen-gateway-NAME"),
        Field("base", &Mqtt::base, text(), "First part of every topic."),
        Field("qos", &Mqtt::qos, integer(0, 1), "Quality of service of what is published."),
        Field("state", &Mqtt::state, boolean(), "One JSON topic per drive."),
@@ -131,9 +137,15 @@ const SectionOf<Mqtt>& mqtt_section() {
        Field("max_interval", &Mqtt::max_interval, duration({.min = seconds(1), .max = kDay}),
              "A value is published at least this often.")
            .unset("60s"),
-       Field::later("expiry", "duration", "90s", "How long live topics outlive the gateway at a broker (MQTT 5)."),
-       Field::later("answers", "list of strings", "anywhere outside of `base`", "Where response topics may lie."),
-       Field::later("stale_payload", "string", "", "What a plain topic shows while its value is not fresh."),
+       Field("expiry", &Mqtt::expiry, duration({.min = seconds(3), .max = kWeek, .zero = true}),
+             "MQTT 5: how long live topics outlive the gateway at a broker; they are published again at a third of it. "
+             "`0s`: for ever. At least three times `min_interval`.")
+           .unset("90s, or three times `max_interval` where that is longer"),
+       Field("answers", &Mqtt::answers, list("list of strings", text()),
+             "Topic filters: where response topics may lie, always outside of `base`; `[]`: nowhere.")
+           .unset("anywhere outside of `base`"),
+       Field("stale_payload", &Mqtt::stale_payload, text(),
+             "What a plain topic shows while its value is not fresh; a word that no value is."),
        Field("username", &Mqtt::username, filled_text(), "For the broker."),
        Field("password_file", &Mqtt::password_file, filled_text(),
              "File with the password in its first line, read at the start; needs `username`."),

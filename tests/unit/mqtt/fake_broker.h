@@ -32,7 +32,7 @@ class FakeBroker final : public Broker {
   }
   void unsubscribe(ConnectionId, std::string filter) override { unsubscribed.push_back(std::move(filter)); }
   void open(ConnectionId connection) override { opened = connection; }
-  [[nodiscard]] BrokerCounts counts() const override { return {}; }
+  [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
     last_words = std::move(last);
@@ -54,6 +54,16 @@ class FakeBroker final : public Broker {
       }
     }
     ADD_FAILURE() << "not subscribed: " << filter;
+    return {};
+  }
+  /// What was published on one topic last.
+  [[nodiscard]] Message newest(const std::string& topic) const {
+    for (auto message = published.rbegin(); message != published.rend(); ++message) {
+      if (message->topic == topic) {
+        return *message;
+      }
+    }
+    ADD_FAILURE() << "not published: " << topic;
     return {};
   }
   /// Payloads published on one topic, in order.
@@ -81,6 +91,7 @@ class FakeBroker final : public Broker {
   ConnectionId opened = 0;
   std::vector<Message> last_words;
   bool stopped = false;
+  BrokerCounts counted;
 };
 
 }  // namespace mqtt::test

@@ -1,4 +1,4 @@
-// The bridge on a real broker: topics of alarms that somebody else overwrites or empties.
+// The bridge on a real broker: topics of alarms and statuses that somebody else overwrites or empties.
 
 #include <gtest/gtest.h>
 
@@ -85,6 +85,8 @@ class PutRight : public test::PublisherFixture {
   }
 
   static constexpr std::size_t kTopics = alarms::kAlarmKinds.size() + 2;  ///< Of the drive, the bus, and the list.
+  static constexpr const char* kStatus = "canopen/line3/status";
+  static constexpr const char* kPumpStatus = "canopen/line3/pump1/status";
   static constexpr const char* kBus = "canopen/line3/bus/can0/alarm";
   static constexpr const char* kEmcy = "canopen/line3/pump1/alarm/emcy";
 
@@ -109,6 +111,24 @@ TEST_F(PutRight, WhatSomebodyOverwritesOrEmpties) {
       run_for(200ms);
       EXPECT_EQ(heard(topic), before + 2) << "what was written, and ours once";
       run_for(900ms);
+    }
+  }
+}
+
+// A late will of an older connection says the same as a stranger.
+TEST_F(PutRight, AStatusThatSomebodyOverwrites) {
+  ASSERT_TRUE(subscribe({{"canopen/line3/status", 1}, {"canopen/line3/pump1/status", 1}}));
+  ASSERT_TRUE(run_until([this] { return heard(kStatus) == 1 && heard(kPumpStatus) == 1; }));
+  for (const std::string topic : {kStatus, kPumpStatus}) {
+    const std::string word = last(topic).value_or("");
+    EXPECT_EQ(word, topic == kStatus ? "online" : "offline") << "the drive is out of service";
+    for (const char* written : {"away", ""}) {
+      const std::size_t before = heard(topic);
+      publisher->publish({{.topic = topic, .payload = written}});
+      EXPECT_TRUE(run_until([&] { return heard(topic) >= before + 2; })) << topic;
+      EXPECT_EQ(last(topic), word);
+      run_for(1200ms);
+      EXPECT_EQ(heard(topic), before + 2) << "what was written, and ours once";
     }
   }
 }

@@ -126,6 +126,15 @@ TEST_F(MqttRequests, AResponseTopicInACommandTreeIsRefused) {
   EXPECT_TRUE(site_.broker().on("canopen/line3/pump1/frequency_command/set").empty());
 }
 
+TEST_F(MqttRequests, AResponseTopicInAnotherGatewaysTreeIsRefused) {
+  site_.receive({.topic = "canopen/line3/pump1/frequency_command/set",
+                 .payload = "30",
+                 .response_topic = "canopen/line4/pump1/status"});
+  EXPECT_EQ(code_of(site_.last_answer()), "forbidden");
+  EXPECT_EQ(commands_sent(), 0U);
+  EXPECT_TRUE(site_.broker().on("canopen/line4/pump1/status").empty());
+}
+
 TEST_F(MqttRequests, ARetainedCommandIsNeverCarriedOutAndItsTopicEmptied) {
   site_.receive({.topic = "canopen/line3/pump1/frequency_command/set", .payload = "30", .retained = true});
   EXPECT_EQ(code_of(site_.last_answer()), "retained");

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "tests/unit/mqtt/fake_broker.h"
 #include "tests/unit/mqtt/site.h"
 
@@ -13,20 +16,40 @@ using Phase = Session::Phase;
 
 class SessionTest : public testing::Test {
  protected:
-  config::Model model_ = test::model();
-  Topics topics_{model_, "canopen", "line3"};
-  test::FakeBroker broker_;
-  Session session_{broker_, topics_};
-  void answer_all() {
-    for (std::size_t i = 0; i < broker_.subscribed.size(); ++i) {
-      session_.subscribed();
+  /// All are granted but this one.
+  void answer(const std::string& refused = {}, const std::string& why = "Not authorized (0x87)") {
+    for (const Subscription& each : std::vector(broker_.subscribed)) {
+      Subscribed answer{.filter = each.filter};
+      if (each.filter == refused) {
+        answer.refused = why;
+      }
+      session_.subscribed(answer, now_);
     }
   }
+  /// Filters that are subscribed to when time has come so far.
+  std::vector<std::string> asked_at(canopen::TimePoint at) {
+    now_ = at;
+    broker_.subscribed.clear();
+    session_.tick(at);
+    std::vector<std::string> filters;
+    for (const Subscription& each : broker_.subscribed) {
+      filters.push_back(each.filter);
+    }
+    return filters;
+  }
 
+  using Filters = std::vector<std::string>;
+  static constexpr const char* kStop = "canopen/line3/stop";
+  config::Model model_ = test::model();
+  Topics topics_{model_, *model_.mqtt, "line3"};
+  test::FakeBroker broker_;
+  std::vector<std::string> notices_;
+  Session session_{broker_, topics_, [this](Level, std::string text) { notices_.push_back(std::move(text)); }};
   const canopen::TimePoint start_{1h};
+  canopen::TimePoint now_ = start_;
 };
 
-TEST_F(SessionTest, SubscribesToCommandsAndToWhatOthersWriteOnAlarms) {
+TEST_F(SessionTest, SubscribesToCommandsAndToWhatOthersWriteOnAlarmsAndStatuses) {
   session_.connected(1, start_);
   EXPECT_EQ(session_.phase(), Phase::subscribing);
   EXPECT_EQ(broker_.subscribed_on, 1U);
@@ -34,32 +57,90 @@ TEST_F(SessionTest, SubscribesToCommandsAndToWhatOthersWriteOnAlarms) {
     EXPECT_EQ(broker_.subscription("canopen/line3/" + std::string(filter)).watched, false) << filter;
   }
   for (const char* filter : {"+/alarm/emcy", "+/alarm/heartbeat", "+/alarm/boot", "+/alarm/data", "+/alarm/control",
-                             "bus/+/alarm", "alarms"}) {
+                             "bus/+/alarm", "alarms", "status", "+/status"}) {
     EXPECT_EQ(broker_.subscription("canopen/line3/" + std::string(filter)).watched, true) << filter;
   }
-  answer_all();
+  answer();
   EXPECT_TRUE(session_.ready());
   EXPECT_EQ(session_.deadline(), canopen::TimePoint::max());
+  EXPECT_TRUE(session_.refused().empty());
+  EXPECT_TRUE(notices_.empty());
 }
 
-TEST_F(SessionTest, AnAnswerThatNeverComesHoldsNothingUp) {
+TEST_F(SessionTest, IsReadyWhenTheLastOneIsAnswered) {
   session_.connected(1, start_);
-  session_.tick(start_ + Session::kSubscribePatience - 1ms);
-  EXPECT_FALSE(session_.ready());
-  session_.tick(start_ + Session::kSubscribePatience);
+  const std::vector<Subscription> all = broker_.subscribed;
+  for (const Subscription& each : all) {
+    EXPECT_FALSE(session_.ready());
+    session_.subscribed({.filter = each.filter}, start_);
+  }
   EXPECT_TRUE(session_.ready());
+}
+
+TEST_F(SessionTest, AnAnswerThatNeverComesHoldsNothingUpAndIsSaid) {
+  session_.connected(1, start_);
+  for (const Subscription& each : std::vector(broker_.subscribed)) {
+    if (each.filter != kStop) {
+      session_.subscribed({.filter = each.filter}, start_);
+    }
+  }
+  EXPECT_EQ(asked_at(start_ + Session::kSubscribePatience - 1ms), Filters{});
+  EXPECT_FALSE(session_.ready());
+  EXPECT_EQ(session_.deadline(), start_ + Session::kSubscribePatience);
+  EXPECT_EQ(asked_at(start_ + Session::kSubscribePatience), Filters{});
+  EXPECT_TRUE(session_.ready());
+  EXPECT_EQ(session_.refused(), Filters{kStop});
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].find("canopen/line3/stop is refused: no answer within 10 s"), std::string::npos) << notices_[0];
+}
+
+TEST_F(SessionTest, ARefusedOneIsTriedAgainAloneWithGrowingPauses) {
+  session_.connected(1, start_);
+  answer(kStop);
+  EXPECT_TRUE(session_.ready());
+  EXPECT_EQ(session_.refused(), Filters{kStop});
+  canopen::TimePoint at = start_;
+  for (const canopen::Duration pause : {1s, 2s, 4s, 5s, 5s}) {
+    EXPECT_EQ(asked_at(at + pause - 1ms), Filters{});
+    at += pause;
+    EXPECT_EQ(session_.deadline(), at);
+    EXPECT_EQ(asked_at(at), Filters{kStop});
+    EXPECT_EQ(session_.refused(), Filters{kStop}) << "not answered yet";
+    answer(kStop);
+  }
+  ASSERT_EQ(notices_.size(), 1U) << "once";
+  EXPECT_NE(notices_[0].find("canopen/line3/stop is refused: Not authorized (0x87). Commands"), std::string::npos)
+      << notices_[0];
+  EXPECT_EQ(asked_at(at + 5s), Filters{kStop});
+  answer();
+  EXPECT_TRUE(session_.refused().empty());
+  EXPECT_EQ(session_.deadline(), canopen::TimePoint::max());
+  ASSERT_EQ(notices_.size(), 2U);
+  EXPECT_NE(notices_[1].find("grants the subscription to canopen/line3/stop"), std::string::npos) << notices_[1];
+}
+
+TEST_F(SessionTest, OnTheNextConnectionARefusalThatStandsIsNotSaidAgain) {
+  session_.connected(1, start_);
+  answer(kStop);
+  session_.lost();
+  EXPECT_TRUE(session_.refused().empty()) << "nothing is known";
+  session_.connected(2, start_ + 20s);
+  answer(kStop);
+  EXPECT_EQ(notices_.size(), 1U);
+  EXPECT_EQ(session_.deadline(), start_ + 1s) << "and the pauses begin anew; the test's clock stands";
 }
 
 TEST_F(SessionTest, EachConnectionSubscribesAgain) {
   session_.connected(1, start_);
-  answer_all();
+  answer();
   session_.lost();
   EXPECT_FALSE(session_.ready());
-  answer_all();
+  EXPECT_EQ(session_.deadline(), canopen::TimePoint::max());
+  answer();
   EXPECT_FALSE(session_.ready()) << "an answer of the old connection";
   session_.connected(2, start_);
   EXPECT_EQ(broker_.subscribed_on, 2U);
-  answer_all();
+  answer();
   EXPECT_TRUE(session_.ready());
   EXPECT_EQ(session_.connection(), 2U);
 }

@@ -12,12 +12,13 @@ namespace {
 class TopicsTest : public testing::Test {
  protected:
   config::Model model_ = test::model();
-  Topics topics_{model_, "canopen", "line3"};
+  Topics topics_{model_, *model_.mqtt, "line3"};
 };
 
 TEST_F(TopicsTest, AreThoseOfTheContract) {
   EXPECT_EQ(topics_.status(), "canopen/line3/status");
   EXPECT_EQ(topics_.info(), "canopen/line3/info");
+  EXPECT_EQ(topics_.health(), "canopen/line3/health");
   EXPECT_EQ(topics_.result(), "canopen/line3/result");
   EXPECT_EQ(topics_.alarms(), "canopen/line3/alarms");
   EXPECT_EQ(topics_.bus_alarm(0), "canopen/line3/bus/can0/alarm");
@@ -46,8 +47,14 @@ TEST_F(TopicsTest, RoutesCommands) {
   EXPECT_EQ(topics_.route("canopen/line3/stop")->kind, Route::Kind::stop_all);
   for (const char* topic : {"canopen/line3/pump1/alarm/emcy", "canopen/line3/bus/can0/alarm", "canopen/line3/alarms"}) {
     ASSERT_TRUE(topics_.route(topic)) << topic;
-    EXPECT_EQ(topics_.route(topic)->kind, Route::Kind::watched) << topic;
+    EXPECT_EQ(topics_.route(topic)->kind, Route::Kind::alarm) << topic;
   }
+  for (const char* topic : {"canopen/line3/status", "canopen/line3/pump1/status"}) {
+    ASSERT_TRUE(topics_.route(topic)) << topic;
+    EXPECT_EQ(topics_.route(topic)->kind, Route::Kind::status) << topic;
+  }
+  EXPECT_EQ(topics_.route("canopen/line3/pump1/status")->drive, "pump1");
+  EXPECT_EQ(topics_.route("canopen/line3/status")->drive, "");
   EXPECT_EQ(topics_.route("canopen/line3/nobody/set")->drive, "nobody");
 }
 
@@ -70,9 +77,11 @@ TEST_F(TopicsTest, RefusesResponseTopicsThatAreCommandsOfAnyGateway) {
   }
 }
 
-TEST_F(TopicsTest, RefusesResponseTopicsThatWePublishOurselves) {
-  for (const char* topic : {"canopen/line3/status", "canopen/line3/info", "canopen/line3/pump1/state",
-                            "canopen/line3/pump1/alarm/emcy", "canopen/line3/bus/can0/alarm", "canopen/line3/alarms"}) {
+TEST_F(TopicsTest, RefusesResponseTopicsInTheTreeOfAnyGateway) {
+  for (const char* topic :
+       {"canopen/line3/status", "canopen/line3/info", "canopen/line3/pump1/state", "canopen/line3/pump1/alarm/emcy",
+        "canopen/line3/bus/can0/alarm", "canopen/line3/alarms", "canopen/line4/pump1/status", "canopen/line4/health",
+        "canopen/line3/client/7", "canopen", "canopen/line3/result", "canopen/line3/pump1/sdo/response"}) {
     EXPECT_TRUE(topics_.refused_as_response(topic)) << topic;
   }
 }
@@ -88,9 +97,44 @@ TEST_F(TopicsTest, RefusesWhatIsNoTopicToPublishTo) {
 }
 
 TEST_F(TopicsTest, AllowsEverythingElseAsResponseTopic) {
-  for (const char* topic : {"answers/17", "canopen/line3/result", "canopen/line3/pump1/sdo/response", "other/set",
-                            "canopen/line3/client/7"}) {
+  for (const char* topic : {"answers/17", "other/set", "canopens/line3", "a/canopen/line3/set"}) {
     EXPECT_FALSE(topics_.refused_as_response(topic)) << topic;
+  }
+}
+
+TEST_F(TopicsTest, AllowsOnlyWhatAnswersNames) {
+  config::Mqtt settings;
+  settings.answers = {"app/#", "panel/+/reply"};
+  const Topics topics(model_, settings, "line3");
+  for (const char* topic : {"app", "app/1", "app/1/2", "panel/7/reply"}) {
+    EXPECT_FALSE(topics.refused_as_response(topic)) << topic;
+  }
+  for (const char* topic : {"answers/1", "apps/1", "panel/7", "panel/7/8/reply", "panel/reply", "canopen/line3/app"}) {
+    EXPECT_TRUE(topics.refused_as_response(topic)) << topic;
+  }
+  settings.answers = {"#"};
+  EXPECT_TRUE(Topics(model_, settings, "line3").refused_as_response("canopen/line4/x")) << "base stays out";
+  settings.answers.emplace();
+  EXPECT_TRUE(Topics(model_, settings, "line3").refused_as_response("app/1")) << "nowhere";
+}
+
+// MQTT 5 §4.7.1, with the examples given there.
+TEST(Filters, StandForTopics) {
+  struct Case {
+    const char* filter;
+    const char* topic;
+    bool matches;
+  };
+  for (const Case& each :
+       {Case{"sport/tennis/player1/#", "sport/tennis/player1", true},
+        Case{"sport/tennis/player1/#", "sport/tennis/player1/score/wimbledon", true}, Case{"sport/#", "sport", true},
+        Case{"#", "a/b/c", true}, Case{"sport/tennis/+", "sport/tennis/player1", true},
+        Case{"sport/tennis/+", "sport/tennis/player1/ranking", false}, Case{"sport/+", "sport", false},
+        Case{"sport/+", "sport/", true}, Case{"+/+", "/finance", true}, Case{"/+", "/finance", true},
+        Case{"+", "/finance", false}, Case{"#", "$SYS/uptime", false},
+        Case{"+/monitor/Clients", "$SYS/monitor/Clients", false}, Case{"a/b", "a/b", true}, Case{"a/b", "a/b/c", false},
+        Case{"a/b/c", "a/b", false}}) {
+    EXPECT_EQ(matches(each.filter, each.topic), each.matches) << each.filter << " and " << each.topic;
   }
 }
 

@@ -1,0 +1,71 @@
+#include "bridges/mqtt/status_topic.h"
+
+#include <algorithm>
+
+#include "bridges/mqtt/expiry.h"
+#include "bridges/mqtt/payload.h"
+
+namespace mqtt {
+
+using canopen::kNever;
+
+void StatusTopic::forget() {
+  online_.reset();
+  echo_until_ = {};
+  wrong_ = kNever;
+}
+
+canopen::TimePoint StatusTopic::received(std::string_view payload, canopen::TimePoint now) {
+  if (!online_) {
+    return kNever;  // what comes first on this connection replaces it anyway
+  }
+  if (payload == online_text(*online_)) {
+    wrong_ = kNever;
+    return kNever;
+  }
+  const bool may_be_ours = payload == online_text(!*online_) && now < echo_until_;
+  canopen::TimePoint at = may_be_ours ? echo_until_ : now;
+  if (put_right_) {
+    at = std::max(at, *put_right_ + kPutRight);
+  }
+  wrong_ = std::min(wrong_, at);
+  return wrong_;
+}
+
+canopen::TimePoint StatusTopic::next() const {
+  if (!online_) {
+    return canopen::TimePoint::min();
+  }
+  // `offline` is true for ever.
+  const bool expires = *online_ && expiry_of(*settings_) != 0;
+  return std::min(wrong_, expires ? published_ + refresh_interval(*settings_) : kNever);
+}
+
+void StatusTopic::collect(bool online, canopen::TimePoint now, std::vector<Message>& out) {
+  const bool changed = online_ && *online_ != online;
+  if (online_ && !changed && now < next()) {
+    return;
+  }
+  if (wrong_ <= now) {
+    put_right_ = now;
+  }
+  if (changed) {
+    echo_until_ = now + kEcho;
+  }
+  online_ = online;
+  published_ = now;
+  wrong_ = kNever;
+  Message message = offline();
+  if (online) {
+    message.payload = online_text(true);
+    message.expiry = expiry_of(*settings_);
+    message.after_all = after_all_;
+  }
+  out.push_back(std::move(message));
+}
+
+Message StatusTopic::offline() const {
+  return {.topic = *topic_, .payload = online_text(false), .kind = MessageKind::status};
+}
+
+}  // namespace mqtt

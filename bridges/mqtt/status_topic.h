@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/mqtt/message.h"
+#include "canopen/clock.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// `online` or `offline` on one retained topic: a change is told at once, `online` is told again before it expires, and
+/// what somebody else wrote there is put right. The others return when to come to collect(); kNever: not because of
+/// that.
+class StatusTopic {
+ public:
+  /// Shortest time between two times that it is put right.
+  static constexpr canopen::Duration kPutRight = std::chrono::seconds(1);
+  /// By then an own message has come back, where the broker sends them back (MQTT 3.1.1).
+  static constexpr canopen::Duration kEcho = std::chrono::seconds(1);
+
+  /// `topic` and `settings` outlive it. `after_all`: `online` says that everything else is there.
+  StatusTopic(const std::string& topic, const config::Mqtt& settings, bool after_all = false)
+      : topic_(&topic), settings_(&settings), after_all_(after_all) {}
+
+  /// A new connection: it is due whatever it says.
+  void forget();
+  /// Somebody published there, perhaps we ourselves.
+  canopen::TimePoint received(std::string_view payload, canopen::TimePoint now);
+  /// When it is due as long as it does not change.
+  [[nodiscard]] canopen::TimePoint next() const;
+  /// Appends it where it is due or changed.
+  void collect(bool online, canopen::TimePoint now, std::vector<Message>& out);
+  /// What an orderly end says.
+  [[nodiscard]] Message offline() const;
+
+ private:
+  const std::string* topic_;
+  const config::Mqtt* settings_;
+  bool after_all_;
+  std::optional<bool> online_;                  ///< As published on this connection.
+  canopen::TimePoint published_{};              ///< When.
+  canopen::TimePoint echo_until_{};             ///< What was said before the last change may come back so long.
+  canopen::TimePoint wrong_ = canopen::kNever;  ///< When it is to be put right.
+  std::optional<canopen::TimePoint> put_right_;
+};
+
+}  // namespace mqtt

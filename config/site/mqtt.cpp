@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "config/schema/complaint.h"
+#include "config/site/site.h"
+#include "config/site/site_keys.h"
+#include "config/text.h"
+#include "config/toml/document.h"
+#include "config/toml/files.h"
+
+namespace config {
+namespace {
+
+void check_brokers(const Node& table, Report& report) {
+  const Node* const list = table.find("brokers");
+  if (list == nullptr || list->kind != NodeKind::list) {
+    return;
+  }
+  if (list->items.empty()) {
+    report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
+  } else if (list->items.size() > 1) {
+    report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
+  }
+}
+
+void check_base(const Node& table, const std::string& base, Report& report) {
+  const bool good = !base.empty() && !base.starts_with('/') && !base.ends_with('/') && !base.starts_with('$') &&
+                    base.find_first_of("+#") == std::string::npos && base.find("//") == std::string::npos;
+  if (!good) {
+    report.error(place_of(table, "base"),
+                 "mqtt.base " + in_quotes(base) + " must be a topic without '+', '#', a leading '$', or an empty part");
+  }
+}
+
+/// The first line of the file; without secrets only what can be told without a look into it.
+std::string password_of(const Node& table, const std::filesystem::path& file, const std::string& stated,
+                        bool with_secrets, Report& report) {
+  const Place place = place_of(table, "password_file");
+  const std::string label = "mqtt.password_file " + in_quotes(stated);
+  const auto facts = look_at_file(file);
+  if (const auto* const failure = std::get_if<FileFailure>(&facts); failure != nullptr) {
+    report.error(place, label + " cannot be read: " + failure->reason);
+    return "";
+  }
+  if (std::get<FileFacts>(facts).readable_by_all) {
+    report.warning(place, label + " can be read by everybody on this machine; chmod o-r it");
+  }
+  if (std::get<FileFacts>(facts).size == 0) {
+    report.error(place, label + " is empty; its first line is the password");
+    return "";
+  }
+  if (!with_secrets) {
+    return "";
+  }
+  const auto content = read_file(file);
+  if (const auto* const failure = std::get_if<FileFailure>(&content); failure != nullptr) {
+    report.error(place, label + " cannot be read: " + failure->reason);
+    return "";
+  }
+  const std::string& text = std::get<std::string>(content);
+  std::string password = text.substr(0, text.find_first_of("\r\n"));
+  if (password.empty()) {
+    report.error(place, label + " begins with an empty line; its first line is the password");
+  }
+  return password;
+}
+
+/// A topic filter that MQTT knows: '+' is a whole part, '#' the last one (MQTT 5 §4.7.1).
+bool is_filter(std::string_view filter) {
+  while (!filter.empty()) {
+    const std::size_t slash = filter.find('/');
+    const std::string_view part = filter.substr(0, slash);
+    if (part.size() > 1 && part.find_first_of("+#") != std::string_view::npos) {
+      return false;
+    }
+    if (slash == std::string_view::npos) {
+      return true;
+    }
+    if (part == "#") {
+      return false;
+    }
+    filter.remove_prefix(slash + 1);
+  }
+  return true;  // nothing behind the last slash is an empty part
+}
+
+/// Filters that let answers go where they never may go, or nowhere, are mistakes.
+void check_answers(const Node& table, const std::string& base, Report& report) {
+  for (const Node* const item : read_texts(table, "answers")) {
+    const std::string label = "mqtt.answers " + in_quotes(item->text);
+    if (item->text.empty() || !is_filter(item->text)) {
+      report.error(item->place,
+                   label + " is no topic filter; '+' must be a whole part, '#' the last one, as in \"app/#\"");
+    } else if (item->text.starts_with('$')) {
+      report.error(item->place, label + " begins with '$', where nobody but the broker publishes; leave it out");
+    } else if (item->text.starts_with(base + "/") || item->text == base) {
+      report.error(item->place, label + " lies inside of base, where no answer is sent to; name topics outside of " +
+                                    in_quotes(base) + ", such as \"app/#\"");
+    }
+  }
+}
+
+/// A topic that waits for min_interval must not expire meanwhile: live topics are published at a third of `expiry`.
+void check_expiry(const Node& table, const Mqtt& mqtt, Report& report) {
+  const bool lasts = mqtt.expiry == canopen::Duration::zero() || mqtt.expiry >= 3 * mqtt.min_interval;
+  if (table.find("expiry") != nullptr && !lasts) {
+    report.error(place_of(table, "expiry"), "mqtt.expiry must be at least three times min_interval (" +
+                                                to_text(mqtt.expiry) + ", " + to_text(mqtt.min_interval) +
+                                                "), else values expire between two messages");
+  }
+}
+
+/// What reads as a value shows a lost drive as one that lives.
+void check_stale_payload(const Node& table, const Mqtt& mqtt, Report& report) {
+  const std::string& text = mqtt.stale_payload;
+  const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == std::string::npos &&
+                      text.find_first_of("0123456789") != std::string::npos;
+  if (number || text == "true" || text == "false") {
+    report.warning(place_of(table, "stale_payload"),
+                   "mqtt.stale_payload " + in_quotes(text) +
+                       " looks like a value, so nobody can tell a lost drive by it; take a word that no signal has");
+  }
+}
+
+}  // namespace
+
+std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
+                              Report& report) {
+  const Node* const table = read_table(root, "mqtt");
+  if (table == nullptr) {
+    return std::nullopt;
+  }
+  Mqtt mqtt = mqtt_section().read(*table);
+  check_brokers(*table, report);
+  check_base(*table, mqtt.base, report);
+  check_answers(*table, mqtt.base, report);
+  check_stale_payload(*table, mqtt, report);
+  if (mqtt.max_interval < mqtt.min_interval) {
+    const auto* const key = table->find("max_interval") != nullptr ? "max_interval" : "min_interval";
+    report.error(place_of(*table, key), "mqtt.max_interval is shorter than min_interval (" +
+                                            to_text(mqtt.max_interval) + ", " + to_text(mqtt.min_interval) + ")");
+  }
+  if (table->find("expiry") == nullptr) {
+    mqtt.expiry = default_expiry(mqtt.max_interval);
+  }
+  check_expiry(*table, mqtt, report);
+  if (!mqtt.password_file.empty()) {
+    if (mqtt.username.empty()) {
+      report.error(place_of(*table, "password_file"), "mqtt.password_file needs username");
+    }
+    mqtt.password = password_of(*table, directory / mqtt.password_file, mqtt.password_file, with_secrets, report);
+  }
+  return mqtt;
+}
+
+}  // namespace config
