@@ -22,7 +22,8 @@ alarm=$(field fan1/alarm/emcy .id)
 say "kill -9 and start again"
 kill -9 "${started[gateway]}"
 wait "${started[gateway]}" 2>/dev/null
-wait_until 5 "the will says so" is_retained status offline
+# The broker gives the gateway 5 s to come back before it tells (will delay).
+wait_until 10 "the will says so" is_retained status offline
 mark
 begin=$(date +%s%3N)
 start_gateway
