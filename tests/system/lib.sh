@@ -216,8 +216,11 @@ write_registers() {
     sed -n -e 's/^Written.*/written/p' -e 's/.*failed: \(.*\)/\1/p'
 }
 
+# What the broker wants to know of those that look.
+credentials=()
+
 # retained TOPIC: what the broker keeps there
-retained() { mosquitto_sub -h 127.0.0.1 -p "$broker_port" -C 1 -W 2 -t "$topics/$1" 2>/dev/null; }
+retained() { mosquitto_sub "${credentials[@]}" -h 127.0.0.1 -p "$broker_port" -C 1 -W 2 -t "$topics/$1" 2>/dev/null; }
 
 # field TOPIC JQ-EXPRESSION: of a retained JSON
 field() { retained "$1" | jq -r "$2"; }
