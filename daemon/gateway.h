@@ -40,6 +40,9 @@ class Gateway {
   /// The orderly end: says so on MQTT, answers what is pending, sends nothing to drives.
   boost::asio::awaitable<void> stop();
 
+  /// False: a thread of it stands still for good.
+  [[nodiscard]] bool alive() const { return mqtt_ == nullptr || mqtt_->alive(); }
+
   [[nodiscard]] process::Plant& plant() noexcept { return plant_; }
 
  private:

@@ -71,7 +71,7 @@ int run(const Options& options) {
         [name = bus.name](const std::string& text) { spdlog::warn("bus {}: {}", name, text); }, bus.echo);
   });
   gateway.start();
-  Supervision supervision(loop.get_executor(), gateway.plant());
+  Supervision supervision(loop.get_executor(), gateway.plant(), [&gateway] { return gateway.alive(); });
   supervision.ready();
   spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),
                model->gateway.name);

@@ -8,8 +8,9 @@
 
 namespace gateway {
 
-Supervision::Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant)
-    : plant_(plant), timer_(executor), period_(std::chrono::seconds(1)) {
+Supervision::Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant,
+                         std::function<bool()> alive)
+    : plant_(plant), timer_(executor), period_(std::chrono::seconds(1)), alive_(std::move(alive)) {
   std::uint64_t watchdog_us = 0;
   watched_ = sd_watchdog_enabled(0, &watchdog_us) > 0;
   if (watched_) {
@@ -29,7 +30,7 @@ void Supervision::stopping() {
 }
 
 void Supervision::tick() {
-  if (watched_) {
+  if (watched_ && alive_()) {
     sd_notify(0, "WATCHDOG=1");
   }
   if (std::string line = status_line(plant_); line != told_) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/asio/any_io_executor.hpp>
+#include <functional>
 #include <string>
 
 #include "bridges/process/plant.h"
@@ -9,10 +10,11 @@
 namespace gateway {
 
 /// What the service manager hears of us (sd_notify(3)): ready, stopping, a status line with the drives online, and a
-/// sign of life that only a turning loop gives. Without systemd nothing is said.
+/// sign of life that only a turning loop gives, and only while `alive` says that its other threads go on. Without
+/// systemd nothing is said.
 class Supervision {
  public:
-  Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant);
+  Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::function<bool()> alive);
 
   /// After configuration and listeners; never waits for interface, broker or drives.
   void ready();
@@ -24,6 +26,7 @@ class Supervision {
   const process::Plant& plant_;
   canopen::Timer timer_;
   canopen::Duration period_;
+  std::function<bool()> alive_;
   bool watched_ = false;
   std::string told_;
 };

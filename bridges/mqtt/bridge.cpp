@@ -129,6 +129,9 @@ void Bridge::on_bus_alarm(std::size_t bus) {
 }
 
 void Bridge::on_connected(const Connected& connection) {
+  if (stopping_) {
+    return;  // the last words are said
+  }
   connection_ = connection;
   session_.connected(connection.id, canopen::Clock::now());
   wake(session_.deadline());
@@ -142,6 +145,12 @@ void Bridge::on_disconnected(const std::string& why) {
 }
 
 void Bridge::on_subscribed(const Subscribed& subscribed) {
+  if (stopping_) {
+    return;
+  }
+  if (session_.ready() && !subscribed.refused) {
+    tell_again();  // what others wrote meanwhile was not heard
+  }
   session_.subscribed(subscribed, canopen::Clock::now());
   wake(session_.deadline());
   follow_session();
@@ -228,6 +237,15 @@ void Bridge::announce() {
   collect(canopen::Clock::now());
   broker_->publish(std::exchange(batch_, {}));
   broker_->open(session_.connection());
+}
+
+void Bridge::tell_again() {
+  alarms_.mark_all();
+  status_.forget();
+  for (Feed& feed : feeds_) {
+    feed.forget_status();
+  }
+  wake(canopen::Clock::now());
 }
 
 void Bridge::collect(canopen::TimePoint now) {

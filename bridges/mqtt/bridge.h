@@ -46,6 +46,8 @@ class Bridge final : public process::Observer, private BrokerEvents {
 
   /// Connected to the broker, and everything was published once.
   [[nodiscard]] bool connected() const noexcept { return session_.ready(); }
+  /// False: the way to the broker stands still, and only a new start of the program helps.
+  [[nodiscard]] bool alive() const { return broker_->alive(); }
   /// Called on the loop whenever connected() changes.
   void on_connected_change(std::function<void(bool)> function) { connected_change_ = std::move(function); }
 
@@ -75,6 +77,8 @@ class Bridge final : public process::Observer, private BrokerEvents {
   /// Publishes what is due; returns when to come again.
   canopen::TimePoint turn();
   void announce();
+  /// The topics that are put right where others write there are due whatever they say.
+  void tell_again();
   void collect(canopen::TimePoint now);
   /// Somebody published on the topic of a status.
   void status_received(const Incoming& message, const Route& route);

@@ -38,6 +38,8 @@ struct Subscription {
   /// Topics that we publish on: what others write there from now on. With MQTT 3.1.1, which has no such choice, what is
   /// retained and our own messages come too.
   bool watched = false;
+  /// Of a watched one: our own messages too, also with MQTT 5, for a will of our last connection counts as one of them.
+  bool own_too = false;
 };
 
 /// What a broker tells, on the loop, in the order in which it happened; and what it asks.

@@ -63,6 +63,7 @@ void BrokerThread::run() {
     drop_client();
     if (Clock::now() - begun > kGoodConnection) {
       backoff_.reset();
+      last_failure_.clear();
     }
     const auto duration = end.stays ? settings_.pause_after_refusal : backoff_.next();
     say_failure(end, duration);
@@ -86,7 +87,6 @@ BrokerThread::End BrokerThread::attempt() {
     return {text_of(*refusal), refuses_credentials(refusal->code)};
   }
   addresses_.clear();  // the next connection asks anew
-  last_failure_.clear();
   say(Level::info, "MQTT: connected to " + broker_ + (version_ == kMqtt5 ? ", MQTT 5" : ", MQTT 3.1.1"));
   loop_->post(Connected{.id = connection_, .version = version_, .broker = broker_});
   return serve();
@@ -182,7 +182,9 @@ BrokerThread::End BrokerThread::serve() {
 bool BrokerThread::carry_out(Lock& lock, std::vector<Order> orders) {
   std::erase_if(orders, [this](const Order& order) { return order.connection != connection_; });
   for (const Order& order : orders) {
-    if (order.subscribe && order.subscription.watched) {
+    // One that was refused is asked for again and again.
+    const bool known = std::find(watched_.begin(), watched_.end(), order.subscription.filter) != watched_.end();
+    if (order.subscribe && order.subscription.watched && !known) {
       watched_.push_back(order.subscription.filter);
     }
   }

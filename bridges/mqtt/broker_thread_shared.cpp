@@ -20,6 +20,9 @@ constexpr std::size_t kMaxTopicsSaid = 1000;
 
 void BrokerThread::publish(std::vector<Message> batch) {
   const std::lock_guard lock(mutex_);
+  if (finishing_) {
+    return;  // nothing comes behind the last words
+  }
   if (outbox_.empty()) {
     left_ = Clock::now();
   }
@@ -43,6 +46,9 @@ void BrokerThread::unsubscribe(ConnectionId connection, std::string filter) {
 
 void BrokerThread::open(ConnectionId connection) {
   const std::lock_guard lock(mutex_);
+  if (finishing_) {
+    return;
+  }
   opened_ = connection;
   left_ = Clock::now();
   wake_.notify_one();

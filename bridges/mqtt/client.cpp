@@ -54,8 +54,9 @@ connect_options options_of(const ClientSettings& settings) {
 
 subscribe_options options_of(const Subscription& subscription) {
   if (subscription.watched) {
-    return subscribe_options(subscribe_options::SUBSCRIBE_NO_LOCAL, subscribe_options::NO_RETAIN_AS_PUBLISHED,
-                             subscribe_options::DONT_SEND_RETAINED);
+    return subscribe_options(
+        subscription.own_too ? subscribe_options::SUBSCRIBE_LOCAL : subscribe_options::SUBSCRIBE_NO_LOCAL,
+        subscribe_options::NO_RETAIN_AS_PUBLISHED, subscribe_options::DONT_SEND_RETAINED);
   }
   return subscribe_options(subscribe_options::SUBSCRIBE_LOCAL, subscribe_options::RETAIN_AS_PUBLISHED);
 }
@@ -254,6 +255,9 @@ class Client::Body final : private callback {
     explicit Subscribing(Body& to_body) : body(to_body) {}
     void on_success(const token& done) override { body.was_granted(done); }
     void on_failure(const token& done) override {
+      if (done.get_return_code() == MQTTASYNC_OPERATION_INCOMPLETE) {
+        return;  // the connection went before the answer; with MQTT 3.1.1 Paho says so before it tells of the loss
+      }
       const int code = static_cast<int>(done.get_reason_code());
       body.was_answered(done, is_failure(code) ? code : kUnspecified);
     }

@@ -28,6 +28,8 @@ class Feed {
   canopen::TimePoint status_received(std::string_view payload, canopen::TimePoint now) {
     return status_.received(payload, now);
   }
+  /// The status is due whatever it says.
+  void forget_status() { status_.forget(); }
   /// Everything is due: a new connection.
   void mark_all();
 

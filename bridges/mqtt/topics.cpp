@@ -115,7 +115,7 @@ std::vector<Subscription> Topics::command_subscriptions() const {
 }
 
 std::vector<Subscription> Topics::watched_subscriptions() const {
-  std::vector<Subscription> watched{{.filter = status_, .watched = true},
+  std::vector<Subscription> watched{{.filter = status_, .watched = true, .own_too = true},
                                     {.filter = root_ + "/+/status", .watched = true},
                                     {.filter = root_ + "/bus/+/alarm", .watched = true},
                                     {.filter = alarms_, .watched = true}};

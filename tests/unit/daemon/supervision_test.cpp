@@ -21,8 +21,10 @@ namespace {
 using namespace std::chrono_literals;
 using test::Environment;
 using test::NotifySocket;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Not;
 
 /// The demo's gateway without its bridges, and its drives, not yet switched on.
 class SupervisedGateway : public testing::Test {
@@ -82,7 +84,7 @@ TEST_F(SupervisedGateway, StatusLineCountsDrivesOnlineAndAlarmsWhereThereAreSome
 
 TEST_F(SupervisedGateway, TellsThatItIsReadyAndEachChangeOfItsStatusOnce) {
   ASSERT_TRUE(switch_drives_on());
-  Supervision supervision(loop_.executor(), gateway_->plant());
+  Supervision supervision(loop_.executor(), gateway_->plant(), [] { return true; });
   EXPECT_THAT(manager_.heard(), IsEmpty());
   supervision.ready();
   EXPECT_THAT(manager_.heard(), ElementsAre("READY=1", "STATUS=4 of 4 drives online"));
@@ -99,7 +101,7 @@ TEST_F(SupervisedGateway, TellsThatItIsReadyAndEachChangeOfItsStatusOnce) {
 
 TEST_F(SupervisedGateway, GivesThreeSignsOfLifePerWatchdogTimeUntilItStops) {
   const Environment watchdog("WATCHDOG_USEC", "1500000");
-  Supervision supervision(loop_.executor(), gateway_->plant());
+  Supervision supervision(loop_.executor(), gateway_->plant(), [] { return true; });
   supervision.ready();
   EXPECT_THAT(manager_.heard(), ElementsAre("READY=1", "WATCHDOG=1", "STATUS=0 of 4 drives online"));
   loop_.advance(499ms);
@@ -115,7 +117,7 @@ TEST_F(SupervisedGateway, GivesThreeSignsOfLifePerWatchdogTimeUntilItStops) {
 
 TEST_F(SupervisedGateway, GivesASignOfLifeEachSecondUnderALongWatchdogTime) {
   const Environment watchdog("WATCHDOG_USEC", "60000000");
-  Supervision supervision(loop_.executor(), gateway_->plant());
+  Supervision supervision(loop_.executor(), gateway_->plant(), [] { return true; });
   supervision.ready();
   (void)manager_.heard();
   loop_.advance(1s);
@@ -123,10 +125,25 @@ TEST_F(SupervisedGateway, GivesASignOfLifeEachSecondUnderALongWatchdogTime) {
   supervision.stopping();
 }
 
+TEST_F(SupervisedGateway, GivesNoSignOfLifeForAThreadThatStandsStill) {
+  const Environment watchdog("WATCHDOG_USEC", "1500000");
+  bool alive = true;
+  Supervision supervision(loop_.executor(), gateway_->plant(), [&alive] { return alive; });
+  supervision.ready();
+  (void)manager_.heard();
+  alive = false;
+  loop_.advance(5s);
+  EXPECT_THAT(manager_.heard(), Not(Contains("WATCHDOG=1")));
+  alive = true;
+  loop_.advance(500ms);
+  EXPECT_THAT(manager_.heard(), ElementsAre("WATCHDOG=1"));
+  supervision.stopping();
+}
+
 TEST_F(SupervisedGateway, TheWatchdogOfAnotherProcessIsNotOurs) {
   const Environment watchdog("WATCHDOG_USEC", "1500000");
   const Environment another("WATCHDOG_PID", "1");
-  Supervision supervision(loop_.executor(), gateway_->plant());
+  Supervision supervision(loop_.executor(), gateway_->plant(), [] { return true; });
   supervision.ready();
   EXPECT_THAT(manager_.heard(), ElementsAre("READY=1", "STATUS=0 of 4 drives online"));
   supervision.stopping();

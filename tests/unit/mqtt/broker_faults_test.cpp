@@ -200,5 +200,20 @@ TEST_F(BrokerFaults, WhatIsTooLongForTheBrokerIsNeverSent) {
   EXPECT_TRUE(is_said("fits_not is longer"));
 }
 
+TEST_F(BrokerFaults, AConnectionThatBreaksBehindASubscribeRefusesNothing) {
+  for (const bool speaks_5 : {false, true}) {
+    TinyBroker broker({.speaks_5 = speaks_5, .closes_on_subscribe = true});
+    connections.clear();
+    disconnections = 0;
+    make(settings(broker.port()));
+    ASSERT_TRUE(connected());
+    publisher->subscribe(connections.back(), {{"x", 1}, {"y", 1}});
+    ASSERT_TRUE(run_until([this] { return disconnections > 0; }));
+    ASSERT_TRUE(connected(2));
+    EXPECT_TRUE(grants.empty()) << "nobody has answered";
+    (void)stop();
+  }
+}
+
 }  // namespace
 }  // namespace mqtt

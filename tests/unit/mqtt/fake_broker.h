@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/asio/awaitable.hpp>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,6 +37,9 @@ class FakeBroker final : public Broker {
   [[nodiscard]] bool alive() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
     last_words = std::move(last);
+    if (while_stopping) {
+      while_stopping();
+    }
     stopped = true;
     co_return;
   }
@@ -90,6 +94,7 @@ class FakeBroker final : public Broker {
   std::size_t batches = 0;
   ConnectionId opened = 0;
   std::vector<Message> last_words;
+  std::function<void()> while_stopping;  ///< What happens while the last words leave.
   bool stopped = false;
   BrokerCounts counted;
 };

@@ -138,6 +138,9 @@ bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::u
   if (type == kPublish) {
     return take_publish(client, first, body);
   }
+  if (type == kSubscribe && manners_.closes_on_subscribe) {
+    return false;
+  }
   if (type == kSubscribe) {
     if (level_ == kMqtt5) {
       send_bytes(client, {0x90, 4, body[0], body[1], 0, 0});

@@ -20,6 +20,7 @@ class TinyBroker {
     bool mute = false;                  ///< Accepts the connection and says nothing at all.
     int refusal = 0;                    ///< CONNACK code for everybody.
     bool closes_on_5 = false;           ///< Closes where it should refuse MQTT 5.
+    bool closes_on_subscribe = false;   ///< Closes the connection instead of a SUBACK.
     std::string hates{};                ///< Closes the connection on each PUBLISH there.
     std::chrono::milliseconds slow{0};  ///< Needs so long for each PUBLISH, one after the other.
     std::size_t flood = 0;              ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.

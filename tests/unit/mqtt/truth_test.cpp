@@ -268,5 +268,38 @@ TEST(MqttSettings, NameTheClientAndTheVersion) {
   EXPECT_EQ(publisher_settings(mqtt, gateway).version, 4);
 }
 
+TEST(TruthTest, NothingIsAnnouncedBehindTheLastWords) {
+  test::PlantSite site;
+  site.bring_up_drive();
+  test::FakeBroker& broker = site.broker();
+  broker.events->on_connected({.id = 1});  // the end comes before the broker has answered
+  broker.while_stopping = [&broker] {
+    for (const Subscription& each : std::vector(broker.subscribed)) {
+      broker.events->on_subscribed({.filter = each.filter});
+    }
+  };
+  site.stop_bridge();
+  ASSERT_TRUE(broker.stopped);
+  EXPECT_EQ(broker.last_words.back().payload, "offline");
+  EXPECT_EQ(broker.on("canopen/line3/status"), std::vector<std::string>{});
+  EXPECT_EQ(broker.opened, ConnectionId{0});
+}
+
+TEST(TruthTest, WhatNobodyHeardBeforeALateSubscriptionIsSaidAgain) {
+  test::PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.run(100ms);
+  site.broker().forget();
+  site.broker().events->on_subscribed({.filter = "canopen/line3/alarms", .refused = "Not authorized (0x87)"});
+  site.run(100ms);
+  EXPECT_TRUE(site.broker().on("canopen/line3/alarms").empty());
+  site.broker().events->on_subscribed({.filter = "canopen/line3/alarms"});
+  site.run(100ms);
+  EXPECT_EQ(site.broker().on("canopen/line3/alarms").size(), 1U);
+  EXPECT_EQ(site.broker().on("canopen/line3/status"), std::vector<std::string>{"online"});
+  EXPECT_EQ(site.broker().on("canopen/line3/pump1/status"), std::vector<std::string>{"online"});
+}
+
 }  // namespace
 }  // namespace mqtt
