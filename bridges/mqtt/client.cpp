@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridges/mqtt/reasons.h"
+#include "bridges/mqtt/shelf.h"
 #include "canopen/clock.h"
 
 namespace mqtt {
@@ -141,7 +142,7 @@ class Client::Body final : private callback {
   Body(const ClientSettings& settings, ClientEvents& events)
       : events_(events),
         settings_(settings),
-        client_(settings_.uri, settings_.client_id, creation_of(settings_), nullptr) {
+        client_(settings_.uri, settings_.client_id, creation_of(settings_), &shelf_) {
     client_.set_callback(*this);
     // Paho tells of a DISCONNECT here and nowhere else.
     client_.set_disconnected_handler(
@@ -263,6 +264,7 @@ class Client::Body final : private callback {
     }
     Body& body;
   } subscribing_{*this};
+  Shelf shelf_;
   async_client client_;  ///< The last member: gone before what it calls.
 };
 

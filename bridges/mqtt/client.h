@@ -66,9 +66,9 @@ class ClientEvents {
 [[nodiscard]] std::size_t packet_size(const Message& message, int version, int qos);
 
 /// One attempt to connect and, where it succeeds, that connection: a Paho client of its own, without Paho's reconnect,
-/// buffer, broker list or persistence. Calls may block for moments; all are made by one thread, holding no lock that
-/// the events take. Nothing throws. No event comes after the destructor: Paho calls under the lock that it takes to
-/// destroy a client.
+/// buffer or broker list, and with nothing on disk. Calls may block for moments; all are made by one thread, holding no
+/// lock that the events take. Nothing throws. No event comes after the destructor: Paho calls under the lock that it
+/// takes to destroy a client.
 class Client {
  public:
   enum class Sent : std::uint8_t {

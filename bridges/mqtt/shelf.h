@@ -1,0 +1,34 @@
+#pragma once
+
+#include <mqtt/exception.h>
+#include <mqtt/iclient_persistence.h>
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace mqtt {
+
+/// Holds for one client, in memory, what it has not yet sent or not yet seen acknowledged. Gone with the client.
+///
+/// Paho C 1.3.12 frees what waits in a client that is destroyed, but for topic and payload: it takes them to be those
+/// of messages on their way, and nobody frees them. With a place to keep them it puts them there and holds neither.
+class Shelf final : public iclient_persistence {
+ public:
+  void open(const std::string& client_id, const std::string& uri) override;
+  void close() override;
+  void clear() override;
+  [[nodiscard]] bool contains_key(const std::string& key) override;
+  [[nodiscard]] string_collection keys() const override;
+  void put(const std::string& key, const std::vector<string_view>& parts) override;
+  /// Throws persistence_exception where there is none.
+  [[nodiscard]] std::string get(const std::string& key) const override;
+  void remove(const std::string& key) override;
+
+ private:
+  mutable std::mutex mutex_;  ///< Paho calls from its threads and from that which publishes.
+  std::map<std::string, std::string> packets_;
+};
+
+}  // namespace mqtt
