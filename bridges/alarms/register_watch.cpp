@@ -21,7 +21,7 @@ void RegisterWatch::on_emergency(canopen::TimePoint at) noexcept {
 
 void RegisterWatch::on_read(canopen::TimePoint at, bool answered) noexcept {
   read_ = at;
-  silent_ = !answered;
+  misses_ = answered ? 0 : misses_ + 1;
   waits_from_.reset();
 }
 
@@ -38,7 +38,7 @@ canopen::TimePoint RegisterWatch::next(std::optional<canopen::TimePoint> undecid
     next = std::max(next, *waits_from_ + kOften);
   }
   if (read_) {
-    const bool often = !silent_ && *read_ + kOften <= begin + kOftenFor;
+    const bool often = !silent() && *read_ + kOften <= begin + kOftenFor;
     next = std::max(next, *read_ + (often ? kOften : kSeldom));
   }
   return next;

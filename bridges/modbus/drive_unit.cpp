@@ -190,8 +190,10 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
   }
   WritePlan planned = plan(request, request.values);
   if (const auto* const refused = std::get_if<Exception>(&planned)) {
-    note_refused(request, std::move(origin), mistake_of(*refused, request));
-    co_return *refused;
+    // Whether the writer may command at all goes before what is wrong with the command.
+    const process::Outcome told =
+        drive().refuse(std::move(origin), process::CommandRecord::Kind::write, mistake_of(*refused, request));
+    co_return exception_of(told.error());
   }
   auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
   const process::Outcome outcome = co_await drive().write(std::move(origin), std::move(fields));
@@ -207,9 +209,10 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::optio
                                                                       process::Origin origin) {
   const auto command = number ? canopen::nmt_command_of(*number) : std::nullopt;
   if (!command) {
-    (void)drive().refuse(std::move(origin), process::CommandRecord::Kind::nmt,
-                         {.kind = canopen::ErrorKind::type, .detail = "no number of an NMT command"});
-    co_return Exception::illegal_value;
+    const process::Outcome told =
+        drive().refuse(std::move(origin), process::CommandRecord::Kind::nmt,
+                       {.kind = canopen::ErrorKind::type, .detail = "no number of an NMT command"});
+    co_return exception_of(told.error());
   }
   const process::Outcome outcome = co_await drive().nmt(std::move(origin), *command);
   if (outcome.has_error()) {

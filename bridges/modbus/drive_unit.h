@@ -31,9 +31,9 @@ class DriveUnit {
   [[nodiscard]] std::optional<Exception> read_bits(Range range, canopen::TimePoint now,
                                                    std::span<std::uint8_t> out) const;
   [[nodiscard]] bool is_stop(const Request& request) const;
-  /// Nothing: confirmed. What request.values points to outlives the call.
   /// A write that is refused before it is looked at: the drive notes it.
   void note_refused(const Request& request, process::Origin origin, canopen::Error why);
+  /// Nothing: confirmed. What request.values points to outlives the call.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
 
  private:

@@ -189,6 +189,8 @@ class Commands {
   /// A newer stop waits for this one. What is read to complete an equal one the newer one would have to read, too.
   void hurry(PendingCommand& older, const PendingCommand& newer, bool equal);
   [[nodiscard]] Refusal refuse_superfluous(const PendingCommand& stop) const;
+  /// Its RPDO was handed over, with this result.
+  void note_left(PendingCommand& stop, const canopen::Result<void>& sent);
   /// A stop that was not confirmed while an equal one waited behind it: the confirmation of that one is its own.
   boost::asio::awaitable<canopen::Result<void>> join_equal(PendingCommand& command, std::vector<Field>& fields,
                                                            canopen::Result<void> stopped);
@@ -228,8 +230,9 @@ class Commands {
 
   std::string id_prefix_;  ///< Of what the client gave no id: unique over restarts, so that the journal is found by it.
   std::uint64_t arrivals_ = 0;
-  std::uint64_t last_stop_ = 0;  ///< Number of the newest stop.
-  std::string last_stop_text_;   ///< What it wrote.
+  std::uint64_t last_stop_ = 0;       ///< Number of the newest stop.
+  std::string last_stop_text_;        ///< What it wrote.
+  std::uint64_t last_left_stop_ = 0;  ///< The newest stop that is on the bus, or may be.
   std::uint32_t last_refused_abort_ = 0;
   std::size_t last_written_ = 0;
 };

@@ -164,10 +164,11 @@ awaitable<Result<void>> Commands::send_stop(PendingCommand& command, std::vector
     const bool doubtful = node_.may_still_act(object);
     const Result<void> left = co_await send_rpdo(command, step, {});
     left_by_rpdo = left.has_value();
-    command.left = !left.has_error() || !left.error().not_sent;
+    note_left(command, left);
     // An older write of the same object that the drive has not answered, and an older stop that is not through, may
     // still take effect: it is written again behind them.
-    // One that is taken by RPDO alone has nothing under way by SDO, and an older stop gives way to this one.
+    // One that is taken by RPDO alone has nothing under way by SDO, and an older stop gives way to this one, which is
+    // on the bus, even where this one is through by then.
     const bool sure = !doubtful && !node_.may_still_act(object) && stops_.is_first(command);
     if (left_by_rpdo && (sure || model_.signals[control.signal].pdo_only)) {
       take_out(command, fields, step.fields);
@@ -205,6 +206,9 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
     if (!left.has_error() || left.error().kind != ErrorKind::incomplete) {
       co_return left;
     }
+    if (Refusal refused = refuse_superfluous(command)) {
+      co_return *std::move(refused);
+    }
   }
   const Result<void> written = co_await send_sdo(command, control, true);
   if (written.has_value()) {
@@ -230,10 +234,15 @@ awaitable<Result<void>> Commands::stop_by_sdo(PendingCommand& command, std::vect
 /// Only a newer stop that is on the bus stops the motor in its place: where stops keep coming, each would else give way
 /// to the next one, and none would leave.
 Commands::Refusal Commands::refuse_superfluous(const PendingCommand& stop) const {
-  const bool newer_left = std::any_of(stops_.all().begin(), stops_.all().end(), [&](const PendingCommand* other) {
-    return other->number > stop.number && other->left;
-  });
-  return newer_left ? Refusal(error(ErrorKind::superseded, "a newer stop came: " + last_stop_text_)) : std::nullopt;
+  return last_left_stop_ > stop.number ? Refusal(error(ErrorKind::superseded, "a newer stop came: " + last_stop_text_))
+                                       : std::nullopt;
+}
+
+void Commands::note_left(PendingCommand& stop, const Result<void>& sent) {
+  stop.left = !sent.has_error() || !sent.error().not_sent;
+  if (stop.left) {
+    last_left_stop_ = std::max(last_left_stop_, stop.number);
+  }
 }
 
 awaitable<Result<void>> Commands::join_equal(PendingCommand& command, std::vector<Field>& fields,
@@ -291,6 +300,7 @@ awaitable<Result<void>> Commands::complete_by_reading(PendingCommand& command, s
     borrowed.push_back({signal, held.value()});
   }
   Result<void> left = co_await send_rpdo(command, step, borrowed);
+  note_left(command, left);
   if (left.has_value()) {
     take_out(command, fields, step.fields);
   }

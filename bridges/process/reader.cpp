@@ -11,8 +11,9 @@
 namespace process {
 namespace {
 
-/// Pause before a drive that did not answer is asked for its errors again.
-constexpr canopen::Duration kCheckAgain = std::chrono::seconds(10);
+/// Pause before a drive that did not answer is asked for its errors again, and where it goes on not answering.
+constexpr canopen::Duration kCheckAgain = std::chrono::seconds(1);
+constexpr canopen::Duration kCheckSeldom = std::chrono::seconds(10);
 /// Checks are no more frequent, however often frames are lost or emergencies come: polls have their turn between.
 constexpr canopen::Duration kCheckPause = std::chrono::seconds(1);
 
@@ -99,7 +100,7 @@ boost::asio::awaitable<void> Reader::read_errors() {
   alarms_.on_readings(check.readings, now, canopen::wall_now());
   watch_errors();
   if (check.again && online) {
-    check_at_ = std::min(check_at_, now + kCheckAgain);
+    check_at_ = std::min(check_at_, now + (watch_.silent() ? kCheckSeldom : kCheckAgain));
   }
 }
 

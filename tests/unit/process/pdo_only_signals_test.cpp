@@ -24,6 +24,9 @@ class PdoOnlySignalsTest : public StopFirstTest {
   }
 };
 
+/// A stop that is completed by reading: the drive answers in the end, or not.
+class OlderStopTest : public PdoOnlySignalsTest, public testing::WithParamInterface<bool> {};
+
 TEST_F(PdoOnlySignalsTest, ASingleWriteIsIncompleteAtOnceAndNamesWhatIsMissing) {
   bring_online();
   for (const FieldWrite& single : {field("frequency_command", 20.0), field("control_command", Raw{1})}) {
@@ -93,6 +96,36 @@ TEST_F(PdoOnlySignalsTest, AStopBesideAnOlderOneIsNotWrittenBySdoBehindIt) {
   EXPECT_TRUE(finish(newer, 100ms).has_value());
   EXPECT_TRUE(sdo_writes().empty());
 }
+
+// Disable voltage, say, waits for what completes it; then a quick stop with all values leaves at once, and is
+// confirmed.
+TEST_P(OlderStopTest, DoesNotLeaveBehindANewerOne) {
+  bring_online();
+  show(test::kRunningBit);
+  slave_.mute(test::kFrequency);
+  slave_.forget_heard();
+  const Sent older = stop_by(Writer::Way::modbus);
+  run(20ms);
+  ASSERT_TRUE(rpdos().empty()) << "it reads";
+  const Sent newer =
+      write_by(origin(Writer::Way::mqtt),
+               {field("control_command", Raw{kStop}), field("frequency_command", 12.0), field("torque_command", 0.0)});
+  run(20ms);
+  ASSERT_EQ(rpdos().size(), 1U);
+  if (GetParam()) {
+    slave_.unmute(test::kFrequency);
+  }
+  run(2s);
+  ASSERT_TRUE(newer.done() && newer.get().has_value());
+  ASSERT_TRUE(older.done());
+  ASSERT_TRUE(older.get().has_error());
+  EXPECT_EQ(older.get().error().kind, ErrorKind::superseded) << canopen::to_string(older.get().error());
+  EXPECT_EQ(rpdos().size(), 1U);
+  EXPECT_TRUE(sdo_writes().empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(ItsReading, OlderStopTest, testing::Values(true, false),
+                         [](const auto& answered) { return answered.param ? "IsAnswered" : "IsNotAnswered"; });
 
 TEST_F(PdoOnlySignalsTest, AStopOfADriveThatIsLostGoesBySdo) {
   bring_online();
