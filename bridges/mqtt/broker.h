@@ -67,7 +67,6 @@ class Broker {
   /// `events` outlives the broker's stop().
   virtual void start(BrokerEvents& events) = 0;
   virtual void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) = 0;
-  virtual void unsubscribe(ConnectionId connection, std::string filter) = 0;
   /// Keeps the messages until they can leave, of each retained topic the newest. What is retained is lost with the
   /// connection: the next one begins with everything.
   virtual void publish(std::vector<Message> batch) = 0;

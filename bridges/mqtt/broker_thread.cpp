@@ -184,14 +184,13 @@ bool BrokerThread::carry_out(Lock& lock, std::vector<Order> orders) {
   for (const Order& order : orders) {
     // One that was refused is asked for again and again.
     const bool known = std::find(watched_.begin(), watched_.end(), order.subscription.filter) != watched_.end();
-    if (order.subscribe && order.subscription.watched && !known) {
+    if (order.subscription.watched && !known) {
       watched_.push_back(order.subscription.filter);
     }
   }
   lock.unlock();
-  const bool done = std::all_of(orders.begin(), orders.end(), [this](const Order& order) {
-    return order.subscribe ? client_->subscribe(order.subscription) : client_->unsubscribe(order.subscription.filter);
-  });
+  const bool done = std::all_of(orders.begin(), orders.end(),
+                                [this](const Order& order) { return client_->subscribe(order.subscription); });
   lock.lock();
   return done;
 }

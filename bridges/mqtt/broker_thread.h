@@ -49,7 +49,6 @@ class BrokerThread final : private ClientEvents {
   // From the loop.
   void publish(std::vector<Message> batch);
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions);
-  void unsubscribe(ConnectionId connection, std::string filter);
   void open(ConnectionId connection);
   /// Only what waits and `last` are still sent, for as long as `patience`. Without last words the broker is made to
   /// publish the will.
@@ -72,7 +71,6 @@ class BrokerThread final : private ClientEvents {
   struct Order {
     ConnectionId connection = 0;
     Subscription subscription;
-    bool subscribe = true;
   };
   using Lock = std::unique_lock<std::mutex>;
 

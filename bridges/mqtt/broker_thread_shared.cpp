@@ -38,12 +38,6 @@ void BrokerThread::subscribe(ConnectionId connection, std::vector<Subscription> 
   wake_.notify_one();
 }
 
-void BrokerThread::unsubscribe(ConnectionId connection, std::string filter) {
-  const std::lock_guard lock(mutex_);
-  orders_.push_back({connection, {.filter = std::move(filter)}, false});
-  wake_.notify_one();
-}
-
 void BrokerThread::open(ConnectionId connection) {
   const std::lock_guard lock(mutex_);
   if (finishing_) {

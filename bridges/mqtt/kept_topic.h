@@ -1,11 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "bridges/alarms/alarm_pace.h"
+#include "bridges/mqtt/put_right.h"
 #include "canopen/clock.h"
 
 namespace mqtt {
@@ -14,11 +14,6 @@ namespace mqtt {
 /// wrote there. Knows nothing of the word but its text.
 class KeptTopic {
  public:
-  /// Shortest time between two times that it is put right.
-  static constexpr canopen::Duration kPutRight = std::chrono::seconds(1);
-  /// By then an own message has come back, where the broker sends them back (MQTT 3.1.1).
-  static constexpr canopen::Duration kEcho = std::chrono::seconds(1);
-
   /// The word may have changed. Returns when to come.
   canopen::TimePoint changed(canopen::TimePoint now) { return announce_ ? now : pace_.note(now); }
   /// A new connection: the word is due whatever it is.
@@ -36,11 +31,10 @@ class KeptTopic {
  private:
   alarms::AlarmPace pace_;
   bool announce_ = true;
-  bool withheld_ = false;                       ///< On this connection, and no word since.
-  std::optional<std::string> word_;             ///< As published on this connection.
-  std::optional<std::string> older_;            ///< The one that was published before it.
-  canopen::TimePoint wrong_ = canopen::kNever;  ///< When it is to be put right.
-  std::optional<canopen::TimePoint> put_right_;
+  bool withheld_ = false;             ///< On this connection, and no word since.
+  std::optional<std::string> word_;   ///< As published on this connection.
+  std::optional<std::string> older_;  ///< The one that was published before it.
+  PutRight put_right_;
 };
 
 }  // namespace mqtt

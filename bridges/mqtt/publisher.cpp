@@ -38,10 +38,6 @@ void Publisher::publish(std::vector<Message> batch) {
   broker_thread_->publish(std::move(batch));
 }
 
-void Publisher::unsubscribe(ConnectionId connection, std::string filter) {
-  broker_thread_->unsubscribe(connection, std::move(filter));
-}
-
 BrokerCounts Publisher::counts() const {
   return broker_thread_->counts();
 }

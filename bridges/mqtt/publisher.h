@@ -30,7 +30,6 @@ class Publisher final : public Broker {
   void start(BrokerEvents& events) override;
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) override;
   void publish(std::vector<Message> batch) override;
-  void unsubscribe(ConnectionId connection, std::string filter) override;
   void open(ConnectionId connection) override;
   [[nodiscard]] BrokerCounts counts() const override;
   [[nodiscard]] bool alive() const override;

@@ -12,7 +12,7 @@ using canopen::kNever;
 void StatusTopic::forget() {
   online_.reset();
   echo_until_ = {};
-  wrong_ = kNever;
+  put_right_.forget();
 }
 
 canopen::TimePoint StatusTopic::received(std::string_view payload, canopen::TimePoint now) {
@@ -20,16 +20,11 @@ canopen::TimePoint StatusTopic::received(std::string_view payload, canopen::Time
     return kNever;  // what comes first on this connection replaces it anyway
   }
   if (payload == online_text(*online_)) {
-    wrong_ = kNever;
+    put_right_.forget();
     return kNever;
   }
   const bool may_be_ours = payload == online_text(!*online_) && now < echo_until_;
-  canopen::TimePoint at = may_be_ours ? echo_until_ : now;
-  if (put_right_) {
-    at = std::max(at, *put_right_ + kPutRight);
-  }
-  wrong_ = std::min(wrong_, at);
-  return wrong_;
+  return put_right_.heard_another(may_be_ours ? echo_until_ : now);
 }
 
 canopen::TimePoint StatusTopic::next() const {
@@ -38,7 +33,7 @@ canopen::TimePoint StatusTopic::next() const {
   }
   // `offline` is true for ever.
   const bool expires = *online_ && expiry_of(*settings_) != 0;
-  return std::min(wrong_, expires ? published_ + refresh_interval(*settings_) : kNever);
+  return std::min(put_right_.next(), expires ? published_ + refresh_interval(*settings_) : kNever);
 }
 
 void StatusTopic::collect(bool online, canopen::TimePoint now, std::vector<Message>& out) {
@@ -46,15 +41,12 @@ void StatusTopic::collect(bool online, canopen::TimePoint now, std::vector<Messa
   if (online_ && !changed && now < next()) {
     return;
   }
-  if (wrong_ <= now) {
-    put_right_ = now;
-  }
+  put_right_.told(now);
   if (changed) {
-    echo_until_ = now + kEcho;
+    echo_until_ = now + PutRight::kEcho;
   }
   online_ = online;
   published_ = now;
-  wrong_ = kNever;
   Message message = offline();
   if (online) {
     message.payload = online_text(true);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bridges/mqtt/message.h"
+#include "bridges/mqtt/put_right.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
@@ -17,11 +18,6 @@ namespace mqtt {
 /// that.
 class StatusTopic {
  public:
-  /// Shortest time between two times that it is put right.
-  static constexpr canopen::Duration kPutRight = std::chrono::seconds(1);
-  /// By then an own message has come back, where the broker sends them back (MQTT 3.1.1).
-  static constexpr canopen::Duration kEcho = std::chrono::seconds(1);
-
   /// `topic` and `settings` outlive it. `after_all`: `online` says that everything else is there.
   StatusTopic(const std::string& topic, const config::Mqtt& settings, bool after_all = false)
       : topic_(&topic), settings_(&settings), after_all_(after_all) {}
@@ -41,11 +37,10 @@ class StatusTopic {
   const std::string* topic_;
   const config::Mqtt* settings_;
   bool after_all_;
-  std::optional<bool> online_;                  ///< As published on this connection.
-  canopen::TimePoint published_{};              ///< When.
-  canopen::TimePoint echo_until_{};             ///< What was said before the last change may come back so long.
-  canopen::TimePoint wrong_ = canopen::kNever;  ///< When it is to be put right.
-  std::optional<canopen::TimePoint> put_right_;
+  std::optional<bool> online_;       ///< As published on this connection.
+  canopen::TimePoint published_{};   ///< When.
+  canopen::TimePoint echo_until_{};  ///< What was said before the last change may come back so long.
+  PutRight put_right_;
 };
 
 }  // namespace mqtt

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string_view>
 
+#include "bridges/alarms/reason.h"
 #include "bridges/process/plant.h"
 #include "bridges/text/json_text.h"
 #include "bridges/text/timestamp.h"
@@ -10,21 +11,9 @@
 namespace process {
 namespace {
 
+// As the reason of its alarm.
 std::string_view name_of(canopen::BusCondition condition) noexcept {
-  using canopen::BusCondition;
-  switch (condition) {
-    case BusCondition::error_active:
-      return "active";
-    case BusCondition::warning:
-      return "warning";
-    case BusCondition::passive:
-      return "passive";
-    case BusCondition::bus_off:
-      return "bus-off";
-    case BusCondition::down:
-      break;
-  }
-  return "down";
+  return condition == canopen::BusCondition::error_active ? "active" : alarms::bus_reason(condition);
 }
 
 void append_text_or_null(text::ObjectText& object, std::string_view name, const std::optional<std::string>& value) {

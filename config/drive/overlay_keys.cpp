@@ -191,8 +191,7 @@ const SectionOf<SignalKeys>& signal_section() {
            .unset("the PDO that maps it, else `sdo`"),
        Field("pdo_only", plain(&Signal::pdo_only), boolean(),
              "The drive takes it in its RPDO alone, so it is not tried by SDO: a write that does not complete the RPDO "
-             "is "
-             "`incomplete`."),
+             "is `incomplete`."),
        Field("min", plain(&Signal::min), number(), "Least value that may be commanded.").unset("none"),
        Field("max", plain(&Signal::max), number(), "Greatest value that may be commanded.").unset("none"),
        Field("values", plain(&Signal::values), numbered_texts(std::numeric_limits<std::int64_t>::min(), kMaxInteger),

@@ -27,7 +27,7 @@ all_true() {
 start_broker
 start_trace
 start_gateway
-start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_four_drives
 wait_until 10 "all four drives online" register_is 0 2 4
 wait_until 10 "connected to the broker" register_is 0 4 1
 order 3 fault 0x0006

@@ -29,7 +29,7 @@ start_broker
 start_trace
 start_gateway
 wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
-start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_four_drives
 wait_until 10 "all four drives online" all_online
 expect "mode of the socket" 660 "$(stat -c %a "$socket")"
 table=$(ask_gateway status)

@@ -15,7 +15,7 @@ start_trace
 begin=$(date +%s%3N)
 start_gateway
 wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
-start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_four_drives
 online
 say "online $(($(date +%s%3N) - begin)) ms after the gateway was launched, the start of all programs included"
 catch_up

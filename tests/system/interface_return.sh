@@ -55,7 +55,7 @@ start_broker
 start_trace
 start_gateway
 wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
-start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_four_drives
 wait_until 10 "all four drives online" register_is 0 2 4
 wait_until 10 "connected to the broker" register_is 0 4 1
 for way in down deleted moved; do goes_and_returns $way; done

@@ -180,6 +180,11 @@ start_drives() {
   wait_until 10 "the simulator answers" grep -q simulated "$work/simulate.out"
 }
 
+# One of each system, as in gateway.toml.
+start_four_drives() {
+  start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+}
+
 order() {
   local before
   before=$(wc -l <"$work/simulate.out")

@@ -38,7 +38,7 @@ trouble() { # once around
 start_broker
 start_gateway
 wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
-start_drives --drive veichi-ac300:3 --drive veichi-ac310:5 --drive invt-goodrive600:7 --drive vacon-opte6:9
+start_four_drives
 all_well
 # A client that never stops reading.
 (while sleep 0.05; do read_register 5 2; done) >"$work/reader.out" 2>&1 &

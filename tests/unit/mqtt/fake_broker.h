@@ -31,7 +31,6 @@ class FakeBroker final : public Broker {
       published.push_back(std::move(message));
     }
   }
-  void unsubscribe(ConnectionId, std::string filter) override { unsubscribed.push_back(std::move(filter)); }
   void open(ConnectionId connection) override { opened = connection; }
   [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
@@ -88,7 +87,6 @@ class FakeBroker final : public Broker {
   BrokerEvents* events = nullptr;
   ConnectionId subscribed_on = 0;
   std::vector<Subscription> subscribed;
-  std::vector<std::string> unsubscribed;
   std::vector<Message> published;
   std::map<std::string, std::string> retained;
   std::size_t batches = 0;

@@ -79,7 +79,11 @@ TinyBroker::TinyBroker(Manners manners) : manners_(manners), server_(socket(AF_I
 }
 
 TinyBroker::~TinyBroker() {
-  stopping_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  taking_.notify_all();
   thread_.join();
   close(server_);
 }
@@ -94,9 +98,11 @@ std::vector<std::string> TinyBroker::published() const {
   return published_;
 }
 
-std::vector<std::chrono::steady_clock::time_point> TinyBroker::times() const {
-  const std::lock_guard lock(mutex_);
-  return times_;
+bool TinyBroker::take_one() {
+  std::unique_lock lock(mutex_);
+  const std::size_t wanted = ++may_take_;
+  taking_.notify_all();
+  return taking_.wait_for(lock, std::chrono::seconds(20), [&] { return published_.size() >= wanted; });
 }
 
 void TinyBroker::serve() {
@@ -197,7 +203,10 @@ bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<
   if (text == manners_.hates) {
     return false;
   }
-  std::this_thread::sleep_for(manners_.slow);
+  if (manners_.by_hand) {
+    std::unique_lock lock(mutex_);
+    taking_.wait(lock, [this] { return may_take_ > published_.size() || stopping_; });
+  }
   auto payload = topic_end;
   if ((first & 0x06U) != 0) {
     send_bytes(client, {0x40, 2, *topic_end, *(topic_end + 1)});
@@ -210,7 +219,7 @@ bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<
   text.append(payload, body.end());
   const std::lock_guard lock(mutex_);
   published_.push_back(std::move(text));
-  times_.push_back(std::chrono::steady_clock::now());
+  taking_.notify_all();
   return true;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <future>
@@ -16,14 +16,14 @@ namespace mqtt::test {
 class TinyBroker {
  public:
   struct Manners {
-    bool speaks_5 = false;              ///< Else it refuses MQTT 5 as 3.1.1 prescribes.
-    bool mute = false;                  ///< Accepts the connection and says nothing at all.
-    int refusal = 0;                    ///< CONNACK code for everybody.
-    bool closes_on_5 = false;           ///< Closes where it should refuse MQTT 5.
-    bool closes_on_subscribe = false;   ///< Closes the connection instead of a SUBACK.
-    std::string hates{};                ///< Closes the connection on each PUBLISH there.
-    std::chrono::milliseconds slow{0};  ///< Needs so long for each PUBLISH, one after the other.
-    std::size_t flood = 0;              ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
+    bool speaks_5 = false;             ///< Else it refuses MQTT 5 as 3.1.1 prescribes.
+    bool mute = false;                 ///< Accepts the connection and says nothing at all.
+    int refusal = 0;                   ///< CONNACK code for everybody.
+    bool closes_on_5 = false;          ///< Closes where it should refuse MQTT 5.
+    bool closes_on_subscribe = false;  ///< Closes the connection instead of a SUBACK.
+    std::string hates{};               ///< Closes the connection on each PUBLISH there.
+    bool by_hand = false;              ///< Takes a PUBLISH only when take_one() asks for it.
+    std::size_t flood = 0;             ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
 
   explicit TinyBroker(Manners manners);
@@ -36,8 +36,8 @@ class TinyBroker {
   [[nodiscard]] std::vector<int> levels() const;
   /// `topic=payload` of every PUBLISH seen.
   [[nodiscard]] std::vector<std::string> published() const;
-  /// When each of published() came.
-  [[nodiscard]] std::vector<std::chrono::steady_clock::time_point> times() const;
+  /// Takes the next PUBLISH and acknowledges it; false where none comes within 20 s. Only with by_hand.
+  [[nodiscard]] bool take_one();
   /// Sends DISCONNECT with this code (MQTT 5) to who is connected, and closes the connection.
   void disconnect(int code) { kick_ = code; }
   /// The client has acknowledged the last message of the flood. Once.
@@ -61,7 +61,8 @@ class TinyBroker {
   mutable std::mutex mutex_;
   std::vector<int> levels_;
   std::vector<std::string> published_;
-  std::vector<std::chrono::steady_clock::time_point> times_;
+  std::size_t may_take_ = 0;        ///< With by_hand, since the start.
+  std::condition_variable taking_;  ///< Of may_take_ and published_.
   std::promise<void> flood_taken_;
   std::thread thread_;
 };
