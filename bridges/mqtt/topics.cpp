@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/text/utf8.h"
+#include "bridges/text/json_text.h"
 
 namespace mqtt {
 namespace {
