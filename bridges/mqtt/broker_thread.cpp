@@ -138,6 +138,7 @@ std::optional<Refusal> BrokerThread::connect(const std::string& address, int ver
     link_ = Link::connecting;
     refusal_ = {};
     down_code_ = -1;
+    drop_.reset();
     stalled_ = false;
     ++connection_;
     watched_.clear();
@@ -170,6 +171,11 @@ BrokerThread::End BrokerThread::serve() {
     }
     if (!carry_out(lock, std::exchange(orders_, {})) || !send(lock)) {
       link_ = Link::down;
+    } else if (drop_) {
+      lock.unlock();
+      client_->disconnect(kGoodbye, true);
+      lock.lock();
+      return how_it_ended();
     } else if (finishing_ && farewell_over()) {
       const bool say_will = !has_last_words_ || !all_said();
       lock.unlock();
@@ -182,15 +188,12 @@ BrokerThread::End BrokerThread::serve() {
 bool BrokerThread::carry_out(Lock& lock, std::vector<Order> orders) {
   std::erase_if(orders, [this](const Order& order) { return order.connection != connection_; });
   for (const Order& order : orders) {
-    // One that was refused is asked for again and again.
-    const bool known = std::find(watched_.begin(), watched_.end(), order.subscription.filter) != watched_.end();
-    if (order.subscription.watched && !known) {
-      watched_.push_back(order.subscription.filter);
-    }
+    note_watched(order);
   }
   lock.unlock();
-  const bool done = std::all_of(orders.begin(), orders.end(),
-                                [this](const Order& order) { return client_->subscribe(order.subscription); });
+  const bool done = std::all_of(orders.begin(), orders.end(), [this](const Order& order) {
+    return order.ends ? client_->unsubscribe(order.subscription.filter) : client_->subscribe(order.subscription);
+  });
   lock.lock();
   return done;
 }

@@ -49,7 +49,9 @@ class BrokerThread final : private ClientEvents {
   // From the loop.
   void publish(std::vector<Message> batch);
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions);
+  void unsubscribe(ConnectionId connection, std::vector<std::string> filters);
   void open(ConnectionId connection);
+  void drop(ConnectionId connection, std::string why);
   /// Only what waits and `last` are still sent, for as long as `patience`. Without last words the broker is made to
   /// publish the will.
   void finish(std::vector<Message> last, std::chrono::milliseconds patience);
@@ -71,6 +73,7 @@ class BrokerThread final : private ClientEvents {
   struct Order {
     ConnectionId connection = 0;
     Subscription subscription;
+    bool ends = false;  ///< The subscription to this filter.
   };
   using Lock = std::unique_lock<std::mutex>;
 
@@ -101,6 +104,7 @@ class BrokerThread final : private ClientEvents {
   [[nodiscard]] bool farewell_over() const;
   [[nodiscard]] bool has_work() const;
   [[nodiscard]] bool fits(const Message& message);
+  void note_watched(const Order& order);
   [[nodiscard]] End how_it_ended() const;
   void say(Level level, std::string text);
 
@@ -119,6 +123,7 @@ class BrokerThread final : private ClientEvents {
   Link link_ = Link::none;
   Refusal refusal_;
   int down_code_ = -1;
+  std::optional<std::string> drop_;  ///< Why this connection is to be ended.
   bool stalled_ = false;
   BrokerLimits limits_;
   Clock::time_point progress_{};  ///< When something was acknowledged, or sent after a time of nothing.

@@ -38,6 +38,14 @@ void BrokerThread::subscribe(ConnectionId connection, std::vector<Subscription> 
   wake_.notify_one();
 }
 
+void BrokerThread::unsubscribe(ConnectionId connection, std::vector<std::string> filters) {
+  const std::lock_guard lock(mutex_);
+  for (std::string& filter : filters) {
+    orders_.push_back({.connection = connection, .subscription = {.filter = std::move(filter)}, .ends = true});
+  }
+  wake_.notify_one();
+}
+
 void BrokerThread::open(ConnectionId connection) {
   const std::lock_guard lock(mutex_);
   if (finishing_) {
@@ -45,6 +53,14 @@ void BrokerThread::open(ConnectionId connection) {
   }
   opened_ = connection;
   left_ = Clock::now();
+  wake_.notify_one();
+}
+
+void BrokerThread::drop(ConnectionId connection, std::string why) {
+  const std::lock_guard lock(mutex_);
+  if (connection == connection_ && link_ == Link::up && !finishing_) {
+    drop_ = std::move(why);
+  }
   wake_.notify_one();
 }
 
@@ -153,7 +169,15 @@ bool BrokerThread::farewell_over() const {
 
 bool BrokerThread::has_work() const {
   const bool can_send = sends() && !outbox_.empty() && in_flight_.size() < limits_.window;
-  return link_ != Link::up || !orders_.empty() || can_send || (finishing_ && farewell_over());
+  return link_ != Link::up || drop_ || !orders_.empty() || can_send || (finishing_ && farewell_over());
+}
+
+void BrokerThread::note_watched(const Order& order) {
+  const std::string& filter = order.subscription.filter;
+  std::erase(watched_, filter);  // one that was refused is asked for again and again
+  if (order.subscription.watched) {
+    watched_.push_back(filter);
+  }
 }
 
 bool BrokerThread::fits(const Message& message) {
@@ -172,7 +196,7 @@ BrokerThread::End BrokerThread::how_it_ended() const {
     return {"the broker acknowledges nothing any more"};
   }
   if (down_code_ < 0) {
-    return {"the connection broke"};
+    return {drop_.value_or("the connection broke")};
   }
   std::string why = "the broker ended the connection: " + reason_text(down_code_);
   if (is_takeover(down_code_)) {

@@ -174,6 +174,8 @@ class Client::Body final : private callback {
                       settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
   }
 
+  void unsubscribe(const std::string& filter) { client_.unsubscribe(filter); }
+
   void disconnect(std::chrono::milliseconds patience, bool say_will) {
     if (say_will) {
       // QoS 0 waits for no acknowledgement of others. Where not even this leaves, neither does the goodbye, and the
@@ -305,6 +307,10 @@ Client::Sent Client::publish(const Message& message) {
 
 bool Client::subscribe(const Subscription& subscription) {
   return succeeds([&] { body_->subscribe(subscription); });
+}
+
+bool Client::unsubscribe(const std::string& filter) {
+  return succeeds([&] { body_->unsubscribe(filter); });
 }
 
 void Client::disconnect(std::chrono::milliseconds patience, bool say_will) {

@@ -88,6 +88,7 @@ class Client {
   /// on_sent() names the message by its address.
   [[nodiscard]] Sent publish(const Message& message);
   [[nodiscard]] bool subscribe(const Subscription& subscription);
+  [[nodiscard]] bool unsubscribe(const std::string& filter);
   /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
   /// for it, and never leaves without a goodbye).
   void disconnect(std::chrono::milliseconds patience, bool say_will);

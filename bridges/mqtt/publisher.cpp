@@ -34,6 +34,10 @@ void Publisher::subscribe(ConnectionId connection, std::vector<Subscription> sub
   broker_thread_->subscribe(connection, std::move(subscriptions));
 }
 
+void Publisher::unsubscribe(ConnectionId connection, std::vector<std::string> filters) {
+  broker_thread_->unsubscribe(connection, std::move(filters));
+}
+
 void Publisher::publish(std::vector<Message> batch) {
   broker_thread_->publish(std::move(batch));
 }
@@ -48,6 +52,10 @@ bool Publisher::alive() const {
 
 void Publisher::open(ConnectionId connection) {
   broker_thread_->open(connection);
+}
+
+void Publisher::drop(ConnectionId connection, std::string why) {
+  broker_thread_->drop(connection, std::move(why));
 }
 
 boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {

@@ -29,8 +29,10 @@ class Publisher final : public Broker {
 
   void start(BrokerEvents& events) override;
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) override;
+  void unsubscribe(ConnectionId connection, std::vector<std::string> filters) override;
   void publish(std::vector<Message> batch) override;
   void open(ConnectionId connection) override;
+  void drop(ConnectionId connection, std::string why) override;
   [[nodiscard]] BrokerCounts counts() const override;
   [[nodiscard]] bool alive() const override;
   boost::asio::awaitable<void> stop(std::vector<Message> last) override;

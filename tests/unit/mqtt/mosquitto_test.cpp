@@ -117,6 +117,44 @@ TEST_F(OnMosquitto, ARetainedCommandIsKnownAsSuchEvenWhenItIsPublishedNow) {
   EXPECT_TRUE(messages[1].retained) << "Retain As Published";
 }
 
+TEST_F(OnMosquitto, WhatIsUnsubscribedComesNoMore) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"a/#", 1}, {"b/#", 1}, {"a/watched", 1, true}}));
+  publish_with("-q 1 -t a/x -m 1");
+  ASSERT_TRUE(run_until([this] { return has_message("a/x"); }));
+  publisher->unsubscribe(connections.back() + 1, {"b/#"});  // of another connection
+  publisher->unsubscribe(connections.back(), {"a/#", "a/watched"});
+  ASSERT_TRUE(subscribe({{"c", 1}})) << "granted behind it";
+  messages.clear();
+  publish_with("-q 1 -t a/x -m 2");
+  publish_with("-q 1 -t a/watched -m 2");
+  publish_with("-q 1 -t b/x -m 2");
+  ASSERT_TRUE(run_until([this] { return has_message("b/x"); }));
+  EXPECT_EQ(messages.size(), 1U);
+  ASSERT_TRUE(subscribe({{"a/#", 1}})) << "and again";
+  publish_with("-q 1 -t a/x -m 3");
+  EXPECT_TRUE(run_until([this] { return has_message("a/x"); }));
+}
+
+TEST_F(OnMosquitto, AConnectionThatIsDroppedIsEndedInOrderAndMadeAgain) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  publisher->publish({{.topic = "canopen/line3/status", .payload = "online"}});
+  open();
+  ASSERT_TRUE(is_retained("canopen/line3/status", "online"));
+  publisher->drop(connections.back() + 1, "of another connection");
+  publisher->drop(connections.back(), "enough of it");
+  ASSERT_TRUE(connected(2));
+  EXPECT_EQ(reasons, std::vector<std::string>{"enough of it"});
+  EXPECT_TRUE(std::ranges::any_of(
+      notices, [](const std::string& text) { return text.find("enough of it; trying again") != std::string::npos; }));
+  EXPECT_TRUE(is_retained("canopen/line3/status", "offline")) << "until the next one says otherwise";
+  publisher->drop(connections.front(), "it is gone already");
+  ASSERT_TRUE(subscribe({{"x", 1}}));
+  EXPECT_EQ(disconnections, 1U);
+}
+
 TEST_F(OnMosquitto, EchoesCorrelationDataOfAnyBytes) {
   make(settings(broker_.port()));
   ASSERT_TRUE(connected());
