@@ -19,9 +19,6 @@ constexpr int kMqtt311 = 4;
 // A connection that held this long was a good one.
 constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
-// Nothing that was sent is acknowledged for this long: the broker hangs, although TCP stands. Paho's own ping does not
-// notice while its socket is full.
-constexpr auto kStall = 20s;
 constexpr auto kStallCheck = 1s;
 // alive(): longest time of the thread without a sign of life.
 constexpr auto kSilence = 30s;
@@ -53,6 +50,7 @@ BrokerThread::BrokerThread(PublisherSettings settings, std::shared_ptr<LoopPost>
     : settings_(std::move(settings)),
       broker_(bracketed(settings_.broker.host) + ":" + std::to_string(settings_.broker.port)),
       loop_(std::move(loop)),
+      traffic_(settings_.client.qos, [this](Level level, std::string text) { say(level, std::move(text)); }),
       backoff_(settings_.first_pause, settings_.longest_pause, std::random_device{}()) {}
 
 void BrokerThread::run() {
@@ -87,8 +85,8 @@ BrokerThread::End BrokerThread::attempt() {
     return {text_of(*refusal), refuses_credentials(refusal->code)};
   }
   addresses_.clear();  // the next connection asks anew
-  say(Level::info, "MQTT: connected to " + broker_ + (version_ == kMqtt5 ? ", MQTT 5" : ", MQTT 3.1.1"));
-  loop_->post(Connected{.id = connection_, .version = version_, .broker = broker_});
+  say(Level::info, "MQTT: connected to " + broker_ + (client_->version() == kMqtt5 ? ", MQTT 5" : ", MQTT 3.1.1"));
+  loop_->post(Connected{.id = connection_, .version = client_->version(), .broker = broker_});
   return serve();
 }
 
@@ -143,7 +141,6 @@ std::optional<Refusal> BrokerThread::connect(const std::string& address, int ver
     ++connection_;
     watched_.clear();
   }
-  version_ = version;
   ClientSettings settings = settings_.client;
   settings.uri = "tcp://" + bracketed(address) + ":" + std::to_string(settings_.broker.port);
   settings.version = version;
@@ -156,7 +153,7 @@ std::optional<Refusal> BrokerThread::connect(const std::string& address, int ver
   if (link_ != Link::up && link_ != Link::down) {
     return refusal_;
   }
-  progress_ = Clock::now();
+  traffic_.begin(limits_, version, Clock::now());
   return std::nullopt;
 }
 
@@ -165,7 +162,7 @@ BrokerThread::End BrokerThread::serve() {
   for (;;) {
     expect_sign_of_life(kSilence);
     wake_.wait_for(lock, kStallCheck, [this] { return has_work(); });
-    stalled_ = !in_flight_.empty() && Clock::now() - progress_ > kStall;
+    stalled_ = traffic_.stalled(Clock::now());
     if (link_ != Link::up || stalled_) {
       return how_it_ended();
     }
@@ -177,7 +174,7 @@ BrokerThread::End BrokerThread::serve() {
       lock.lock();
       return how_it_ended();
     } else if (finishing_ && farewell_over()) {
-      const bool say_will = !has_last_words_ || !all_said();
+      const bool say_will = !has_last_words_ || !traffic_.all_said();
       lock.unlock();
       client_->disconnect(kGoodbye, say_will);
       return {};
@@ -199,26 +196,12 @@ bool BrokerThread::carry_out(Lock& lock, std::vector<Order> orders) {
 }
 
 bool BrokerThread::send(Lock& lock) {
-  while (sends() && in_flight_.size() < limits_.window) {
-    const auto now = Clock::now();
-    std::optional<Outbox::Item> item = outbox_.pop(now);
-    if (!item) {
-      return true;
-    }
-    left_ = now;
-    if (!fits(item->message)) {
-      ++dropped_;
-      continue;
-    }
-    progress_ = in_flight_.empty() ? now : progress_;
-    const auto sent = in_flight_.insert(in_flight_.end(), std::move(*item));
-    const Message* const message = &sent->message;
+  while (const Message* const message = sends() ? traffic_.next(Clock::now()) : nullptr) {
     lock.unlock();
     const Client::Sent outcome = client_->publish(*message);
     lock.lock();
     if (outcome == Client::Sent::unfit) {
-      in_flight_.erase(sent);
-      ++dropped_;
+      traffic_.unfit(message);
     } else if (outcome == Client::Sent::broken) {
       return false;
     }
@@ -231,23 +214,12 @@ void BrokerThread::drop_client() {
   const std::lock_guard lock(mutex_);
   const bool stood = link_ == Link::up || link_ == Link::down;
   const std::string why = how_it_ended().why;
+  const bool unexplained = link_ == Link::down && !stalled_ && !drop_ && !spares_messages(down_code_);
   link_ = Link::none;
   orders_.clear();
-  if (!stood) {
-    return;
-  }
-  outbox_.forget_retained();
-  for (Outbox::Item& item : in_flight_) {
-    if (item.message.kind == MessageKind::answer) {
-      outbox_.put_back(std::move(item), Clock::now());
-    }
-  }
-  in_flight_.clear();
-  loop_->post(Disconnected{why});
-  if (outbox_.answers_dropped() != said_answers_) {
-    said_answers_ = outbox_.answers_dropped();
-    say(Level::warning, "MQTT: answers dropped because the broker was away, slow, or closed the connection: " +
-                            std::to_string(said_answers_) + " since the start");
+  if (stood) {
+    traffic_.end(unexplained, Clock::now());
+    loop_->post(Disconnected{why});
   }
 }
 

@@ -4,13 +4,11 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <semaphore>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -18,8 +16,8 @@
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/client.h"
 #include "bridges/mqtt/loop_post.h"
-#include "bridges/mqtt/outbox.h"
 #include "bridges/mqtt/resolve.h"
+#include "bridges/mqtt/traffic.h"
 #include "config/model.h"
 
 namespace mqtt {
@@ -99,11 +97,9 @@ class BrokerThread final : private ClientEvents {
 
   // All of these with the lock held.
   void expect_sign_of_life(std::chrono::milliseconds allowance);
-  [[nodiscard]] bool sends() const;
-  [[nodiscard]] bool all_said() const;
+  [[nodiscard]] bool sends() const { return link_ == Link::up && traffic_.is_open(); }
   [[nodiscard]] bool farewell_over() const;
-  [[nodiscard]] bool has_work() const;
-  [[nodiscard]] bool fits(const Message& message);
+  [[nodiscard]] bool has_work();
   void note_watched(const Order& order);
   [[nodiscard]] End how_it_ended() const;
   void say(Level level, std::string text);
@@ -114,32 +110,23 @@ class BrokerThread final : private ClientEvents {
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  Outbox outbox_;
-  std::list<Outbox::Item> in_flight_;
+  Traffic traffic_;
   std::vector<Order> orders_;
   std::vector<std::string> watched_;  ///< Filters of this connection.
   ConnectionId connection_ = 0;
-  ConnectionId opened_ = 0;
   Link link_ = Link::none;
   Refusal refusal_;
   int down_code_ = -1;
   std::optional<std::string> drop_;  ///< Why this connection is to be ended.
   bool stalled_ = false;
   BrokerLimits limits_;
-  Clock::time_point progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
-  Clock::time_point left_{};      ///< When something left, or began to wait alone.
   Clock::time_point silent_from_ = Clock::time_point::max();  ///< Alive until then.
   bool finishing_ = false;
   bool has_last_words_ = false;
   Clock::time_point finish_by_{};
-  std::uint64_t dropped_ = 0;
-  std::uint64_t said_answers_ = 0;
-  std::set<std::string> said_too_long_;  ///< Topics.
-  std::set<int> said_refused_;           ///< Codes.
 
   // The thread's own, without the lock.
   std::unique_ptr<Client> client_;
-  int version_ = 0;
   Backoff backoff_;
   std::vector<std::string> addresses_;
   std::size_t next_address_ = 0;

@@ -8,25 +8,13 @@
 #include "bridges/mqtt/topics.h"
 
 namespace mqtt {
-namespace {
-
-using namespace std::chrono_literals;
-
-// alive(): longest time in which nothing leaves that could.
-constexpr auto kNothingLeaves = 60s;
-constexpr std::size_t kMaxTopicsSaid = 1000;
-
-}  // namespace
 
 void BrokerThread::publish(std::vector<Message> batch) {
   const std::lock_guard lock(mutex_);
   if (finishing_) {
     return;  // nothing comes behind the last words
   }
-  if (outbox_.empty()) {
-    left_ = Clock::now();
-  }
-  outbox_.push(std::move(batch), Clock::now());
+  traffic_.push(std::move(batch), Clock::now());
   wake_.notify_one();
 }
 
@@ -48,11 +36,10 @@ void BrokerThread::unsubscribe(ConnectionId connection, std::vector<std::string>
 
 void BrokerThread::open(ConnectionId connection) {
   const std::lock_guard lock(mutex_);
-  if (finishing_) {
+  if (finishing_ || connection != connection_) {
     return;
   }
-  opened_ = connection;
-  left_ = Clock::now();
+  traffic_.open(Clock::now());
   wake_.notify_one();
 }
 
@@ -67,7 +54,7 @@ void BrokerThread::drop(ConnectionId connection, std::string why) {
 void BrokerThread::finish(std::vector<Message> last, std::chrono::milliseconds patience) {
   const std::lock_guard lock(mutex_);
   has_last_words_ = !last.empty();
-  outbox_.push(std::move(last), Clock::now());
+  traffic_.push(std::move(last), Clock::now());
   finishing_ = true;
   finish_by_ = Clock::now() + patience;
   wake_.notify_one();
@@ -75,14 +62,13 @@ void BrokerThread::finish(std::vector<Message> last, std::chrono::milliseconds p
 
 BrokerCounts BrokerThread::counts() const {
   const std::lock_guard lock(mutex_);
-  return {.messages_dropped = dropped_, .answers_dropped = outbox_.answers_dropped()};
+  return traffic_.counts();
 }
 
 bool BrokerThread::alive() const {
   const std::lock_guard lock(mutex_);
   const auto now = Clock::now();
-  const bool can_send = sends() && !outbox_.empty() && in_flight_.size() < limits_.window;
-  return now < silent_from_ && !(can_send && now - left_ > kNothingLeaves);
+  return now < silent_from_ && !(link_ == Link::up && traffic_.stuck(now));
 }
 
 void BrokerThread::on_up(BrokerLimits limits) noexcept {
@@ -124,23 +110,7 @@ void BrokerThread::on_incoming(Incoming&& message) noexcept {
 
 void BrokerThread::on_sent(const Message* message, Delivery delivery, int code) noexcept {
   const std::lock_guard lock(mutex_);
-  if (delivery == Delivery::failed) {
-    return;  // the connection is going: drop_client() takes care of an answer
-  }
-  const auto sent = std::find_if(in_flight_.begin(), in_flight_.end(),
-                                 [message](const Outbox::Item& each) { return &each.message == message; });
-  if (sent == in_flight_.end()) {
-    return;
-  }
-  if (delivery == Delivery::refused) {
-    ++dropped_;
-    if (said_refused_.insert(code).second) {
-      say(Level::error, "MQTT: the broker refuses some of what is published, " + sent->message.topic +
-                            " first: " + reason_text(code) + "; check what the gateway's user may write");
-    }
-  }
-  in_flight_.erase(sent);
-  progress_ = Clock::now();
+  traffic_.acknowledged(message, delivery, code, Clock::now());
   wake_.notify_one();
 }
 
@@ -155,21 +125,13 @@ void BrokerThread::expect_sign_of_life(std::chrono::milliseconds allowance) {
   silent_from_ = Clock::now() + allowance;
 }
 
-bool BrokerThread::sends() const {
-  return link_ == Link::up && opened_ == connection_;
-}
-
-bool BrokerThread::all_said() const {
-  return sends() && outbox_.empty() && in_flight_.empty();
-}
-
 bool BrokerThread::farewell_over() const {
-  return !sends() || all_said() || Clock::now() >= finish_by_;
+  return !sends() || traffic_.all_said() || Clock::now() >= finish_by_;
 }
 
-bool BrokerThread::has_work() const {
-  const bool can_send = sends() && !outbox_.empty() && in_flight_.size() < limits_.window;
-  return link_ != Link::up || drop_ || !orders_.empty() || can_send || (finishing_ && farewell_over());
+bool BrokerThread::has_work() {
+  return link_ != Link::up || drop_ || !orders_.empty() || traffic_.may_send(Clock::now()) ||
+         (finishing_ && farewell_over());
 }
 
 void BrokerThread::note_watched(const Order& order) {
@@ -178,17 +140,6 @@ void BrokerThread::note_watched(const Order& order) {
   if (order.subscription.watched) {
     watched_.push_back(filter);
   }
-}
-
-bool BrokerThread::fits(const Message& message) {
-  if (limits_.packet == 0 || packet_size(message, version_, settings_.client.qos) <= limits_.packet) {
-    return true;
-  }
-  if (said_too_long_.size() < kMaxTopicsSaid && said_too_long_.insert(message.topic).second) {
-    say(Level::error, "MQTT: the broker takes packets of " + std::to_string(limits_.packet) +
-                          " bytes at most; that of " + message.topic + " is longer and is not published");
-  }
-  return false;
 }
 
 BrokerThread::End BrokerThread::how_it_ended() const {
