@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bridges/mqtt/client.h"
+#include "bridges/mqtt/traffic.h"
 
 namespace mqtt {
 namespace {
