@@ -5,18 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/unit/mqtt/messages.h"
+
 namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
+using test::answer;
+using test::value;
 using Texts = std::vector<std::string>;
-
-Message value(std::string topic, std::string payload) {
-  return {.topic = std::move(topic), .payload = std::move(payload)};
-}
-Message answer(std::string payload) {
-  return {.topic = "reply", .payload = std::move(payload), .kind = MessageKind::answer, .retained = false};
-}
 
 class TrafficTest : public testing::Test {
  protected:
