@@ -67,11 +67,16 @@ class Broker {
   /// `events` outlives the broker's stop().
   virtual void start(BrokerEvents& events) = 0;
   virtual void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) = 0;
+  /// Ends subscriptions. What is on its way still comes; no answer does.
+  virtual void unsubscribe(ConnectionId connection, std::vector<std::string> filters) = 0;
   /// Keeps the messages until they can leave, of each retained topic the newest. What is retained is lost with the
   /// connection: the next one begins with everything.
   virtual void publish(std::vector<Message> batch) = 0;
   /// What was published may leave on this connection. Each new connection begins closed.
   virtual void open(ConnectionId connection) = 0;
+  /// Ends the connection from this side: the will is published, for nobody is there until the next one, and the broker
+  /// is told. on_disconnected(why) follows, and the next attempt after its pause.
+  virtual void drop(ConnectionId connection, std::string why) = 0;
   [[nodiscard]] virtual BrokerCounts counts() const = 0;
   /// False: the thread that serves the broker, or what it calls, stands still.
   [[nodiscard]] virtual bool alive() const = 0;

@@ -22,6 +22,12 @@ class FakeBroker final : public Broker {
     subscribed_on = connection;
     subscribed = std::move(subscriptions);
   }
+  void unsubscribe(ConnectionId connection, std::vector<std::string> filters) override {
+    unsubscribed_on = connection;
+    for (std::string& filter : filters) {
+      unsubscribed.push_back(std::move(filter));
+    }
+  }
   void publish(std::vector<Message> batch) override {
     ++batches;
     for (Message& message : batch) {
@@ -32,6 +38,11 @@ class FakeBroker final : public Broker {
     }
   }
   void open(ConnectionId connection) override { opened = connection; }
+  /// The test tells on_disconnected() itself.
+  void drop(ConnectionId connection, std::string why) override {
+    dropped = connection;
+    dropped_why = std::move(why);
+  }
   [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
@@ -87,10 +98,14 @@ class FakeBroker final : public Broker {
   BrokerEvents* events = nullptr;
   ConnectionId subscribed_on = 0;
   std::vector<Subscription> subscribed;
+  ConnectionId unsubscribed_on = 0;
+  std::vector<std::string> unsubscribed;  ///< Since the start.
   std::vector<Message> published;
   std::map<std::string, std::string> retained;
   std::size_t batches = 0;
   ConnectionId opened = 0;
+  ConnectionId dropped = 0;
+  std::string dropped_why;
   std::vector<Message> last_words;
   std::function<void()> while_stopping;  ///< What happens while the last words leave.
   bool stopped = false;
