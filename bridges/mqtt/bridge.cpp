@@ -31,6 +31,7 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       alarms_(plant, topics_),
       status_(topics_.status(), settings, true),
       health_(topics_.health(), settings),
+      leftovers_(plant.model(), settings, topics_),
       next_(kNever),
       executor_(std::move(executor)),
       timer_(executor_),
@@ -133,7 +134,7 @@ void Bridge::on_connected(const Connected& connection) {
     return;  // the last words are said
   }
   connection_ = connection;
-  session_.connected(connection.id, canopen::Clock::now());
+  session_.connected(connection, canopen::Clock::now());
   wake(session_.deadline());
 }
 
@@ -158,11 +159,15 @@ void Bridge::on_subscribed(const Subscribed& subscribed) {
 }
 
 void Bridge::on_message(Incoming message) {
-  const auto route = topics_.route(message.topic);
-  if (!route) {
+  if (session_.sets_aside(message, canopen::Clock::now())) {
+    leftovers_.heard(message);
     return;
   }
-  if (route->kind == Route::Kind::alarm) {
+  const auto route = topics_.route(message.topic);
+  if (!route) {
+    session_.stray(message);
+    follow_session();
+  } else if (route->kind == Route::Kind::alarm) {
     wake(alarms_.received(message, canopen::Clock::now()));
   } else if (route->kind == Route::Kind::status) {
     status_received(message, *route);
@@ -234,6 +239,7 @@ void Bridge::announce() {
   alarms_.mark_all();
   health_.forget();
   status_.forget();
+  leftovers_.announced(canopen::Clock::now());
   collect(canopen::Clock::now());
   broker_->publish(std::exchange(batch_, {}));
   broker_->open(session_.connection());
@@ -262,7 +268,8 @@ void Bridge::collect(canopen::TimePoint now) {
     health_.collect(std::move(health), now, batch_);
   }
   status_.collect(true, now, batch_);  // last: it says that all else is there
-  next_ = std::min({next_, health_.next(), status_.next()});
+  leftovers_.collect(false, now, batch_, notice_);
+  next_ = std::min({next_, health_.next(), status_.next(), leftovers_.next()});
 }
 
 void Bridge::follow_session() {

@@ -14,6 +14,7 @@
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/feed.h"
 #include "bridges/mqtt/health_topic.h"
+#include "bridges/mqtt/leftovers.h"
 #include "bridges/mqtt/notice.h"
 #include "bridges/mqtt/requests.h"
 #include "bridges/mqtt/session.h"
@@ -97,6 +98,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   AlarmTopics alarms_;
   StatusTopic status_;
   HealthTopic health_;
+  Leftovers leftovers_;
   std::vector<Feed> feeds_;     ///< By drive.
   std::vector<Message> batch_;  ///< Of this turn.
   canopen::TimePoint next_;     ///< When something of the alarms or feeds is due.

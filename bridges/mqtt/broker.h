@@ -40,6 +40,8 @@ struct Subscription {
   bool watched = false;
   /// Of a watched one: our own messages too, also with MQTT 5, for a will of our last connection counts as one of them.
   bool own_too = false;
+  /// Much may come at once, and of each topic only the newest counts: it costs no command its place.
+  bool bulk = false;
 };
 
 /// What a broker tells, on the loop, in the order in which it happened; and what it asks.

@@ -175,7 +175,7 @@ bool BrokerThread::has_work() const {
 void BrokerThread::note_watched(const Order& order) {
   const std::string& filter = order.subscription.filter;
   std::erase(watched_, filter);  // one that was refused is asked for again and again
-  if (order.subscription.watched) {
+  if (order.subscription.watched || order.subscription.bulk) {
     watched_.push_back(filter);
   }
 }

@@ -7,18 +7,20 @@ namespace mqtt {
 
 using canopen::kNever;
 
-void Session::connected(ConnectionId connection, canopen::TimePoint now) {
-  connection_ = connection;
-  phase_ = Phase::subscribing;
-  std::vector<Subscription> subscriptions = topics_.command_subscriptions();
-  for (Subscription& watched : topics_.watched_subscriptions()) {
-    subscriptions.push_back(std::move(watched));
-  }
+void Session::connected(const Connected& connection, canopen::TimePoint now) {
+  connection_ = connection.id;
+  place_ = connection.broker;
+  looked_here_ = !looked_.contains(place_);
   entries_.clear();
-  for (const Subscription& subscription : subscriptions) {
-    entries_.push_back({.subscription = subscription, .at = now + kSubscribePatience});
+  if (looked_here_) {
+    look_until_ = now + kSubscribePatience;
+    quiet_at_ = look_until_;
+    answered_ = false;
+    phase_ = Phase::looking;
+    broker_.subscribe(connection_, {topics_.tree_subscription()});
+  } else {
+    ask(Phase::subscribing, topics_.command_subscriptions(), now);
   }
-  broker_.subscribe(connection, std::move(subscriptions));
 }
 
 void Session::lost() {
@@ -26,7 +28,57 @@ void Session::lost() {
   entries_.clear();
 }
 
+void Session::ask(Phase phase, std::vector<Subscription> subscriptions, canopen::TimePoint now) {
+  phase_ = phase;
+  for (const Subscription& subscription : subscriptions) {
+    entries_.push_back({.subscription = subscription, .at = now + kSubscribePatience});
+  }
+  broker_.subscribe(connection_, std::move(subscriptions));
+}
+
+bool Session::sets_aside(const Incoming& message, canopen::TimePoint now) {
+  if (message.retained || phase_ == Phase::leaving) {
+    quiet_at_ = now + kQuiet;
+  }
+  return phase_ == Phase::offline || phase_ == Phase::looking || phase_ == Phase::leaving;
+}
+
+void Session::stray(const Incoming& message) {
+  if (std::exchange(looked_here_, false)) {
+    give_up(message.topic);
+  }
+}
+
+void Session::give_up(const std::string& heard) {
+  broker_.drop(connection_, "the broker goes on sending what is not subscribed to any more, such as " + heard);
+  lost();
+}
+
+void Session::say_no_look(const std::string& why) {
+  notice_(Level::warning, "MQTT: the subscription to " + topics_.tree_subscription().filter + " is refused: " + why +
+                              ". Topics of drives and signals that are gone stay there");
+}
+
+void Session::leave(canopen::TimePoint now) {
+  looked_.insert(place_);
+  look_until_ = now + kSubscribePatience;
+  quiet_at_ = now + kQuiet;
+  phase_ = Phase::leaving;
+  broker_.unsubscribe(connection_, {topics_.tree_subscription().filter});
+}
+
 void Session::subscribed(const Subscribed& answer, canopen::TimePoint now) {
+  if (phase_ == Phase::looking) {
+    quiet_at_ = now + kQuiet;
+    answered_ = true;
+    if (answer.refused) {
+      looked_.insert(place_);
+      looked_here_ = false;
+      say_no_look(*answer.refused);
+      ask(Phase::subscribing, topics_.command_subscriptions(), now);
+    }
+    return;
+  }
   const auto entry = std::find_if(entries_.begin(), entries_.end(),
                                   [&answer](const Entry& each) { return each.subscription.filter == answer.filter; });
   if (entry == entries_.end()) {
@@ -41,10 +93,20 @@ void Session::subscribed(const Subscribed& answer, canopen::TimePoint now) {
       notice_(Level::info, "MQTT: the broker grants the subscription to " + answer.filter + " now");
     }
   }
-  finish();
+  finish(now);
 }
 
 void Session::tick(canopen::TimePoint now) {
+  if (phase_ == Phase::looking && now >= std::min(quiet_at_, look_until_)) {
+    if (!answered_) {
+      say_no_look("no answer within 10 s");
+    }
+    leave(now);
+  } else if (phase_ == Phase::leaving && now >= quiet_at_) {
+    ask(Phase::subscribing, topics_.command_subscriptions(), now);
+  } else if (phase_ == Phase::leaving && now >= look_until_) {
+    give_up(topics_.tree_subscription().filter);
+  }
   std::vector<Subscription> again;
   for (Entry& entry : entries_) {
     if (now < entry.at) {
@@ -61,10 +123,13 @@ void Session::tick(canopen::TimePoint now) {
   if (!again.empty()) {
     broker_.subscribe(connection_, std::move(again));
   }
-  finish();
+  finish(now);
 }
 
 canopen::TimePoint Session::deadline() const noexcept {
+  if (phase_ == Phase::looking || phase_ == Phase::leaving) {
+    return std::min(quiet_at_, look_until_);
+  }
   canopen::TimePoint next = kNever;
   for (const Entry& entry : entries_) {
     next = std::min(next, entry.at);
@@ -96,11 +161,16 @@ void Session::refuse(Entry& entry, const std::string& why, canopen::TimePoint no
 }
 
 // All were answered once, or nobody waits for them any more.
-void Session::finish() {
+void Session::finish(canopen::TimePoint now) {
   const bool waits = std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
     return entry.state == Entry::State::asked && entry.pause == kFirstPause;
   });
-  if (phase_ == Phase::subscribing && !waits) {
+  if (waits) {
+    return;
+  }
+  if (phase_ == Phase::subscribing) {
+    ask(Phase::watching, topics_.watched_subscriptions(), now);
+  } else if (phase_ == Phase::watching) {
     phase_ = Phase::ready;
   }
 }

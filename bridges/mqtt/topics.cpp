@@ -114,6 +114,11 @@ std::vector<Subscription> Topics::command_subscriptions() const {
           {root_ + "/stop", 1}};
 }
 
+Subscription Topics::tree_subscription() const {
+  // With QoS 0 nothing of it waits in the broker when it is given back.
+  return {.filter = root_ + "/#", .qos = 0, .bulk = true};
+}
+
 std::vector<Subscription> Topics::watched_subscriptions() const {
   std::vector<Subscription> watched{{.filter = status_, .watched = true, .own_too = true},
                                     {.filter = root_ + "/+/status", .watched = true},
@@ -124,6 +129,10 @@ std::vector<Subscription> Topics::watched_subscriptions() const {
     watched.push_back({.filter = root_ + "/+/alarm/" + std::string(alarms::name_of(kind)), .watched = true});
   }
   return watched;
+}
+
+std::string_view Topics::below_root(std::string_view topic) const {
+  return below(topic, root_).value_or(std::string_view());
 }
 
 std::optional<Route> Topics::route(std::string_view topic) const {

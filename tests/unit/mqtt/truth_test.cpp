@@ -208,11 +208,7 @@ TEST(MqttTruth, HealthTellsOfTheGatewayAndItsConnection) {
   site.bring_up_drive();
   site.broker().counted = {.messages_dropped = 4, .answers_dropped = 5};
   site.broker().events->on_connected({.id = 1, .version = 4, .broker = "10.0.0.1:1883"});
-  for (const Subscription& each : std::vector(site.broker().subscribed)) {
-    const bool refused = each.filter == "canopen/line3/stop";
-    site.broker().events->on_subscribed(
-        {.filter = each.filter, .refused = refused ? std::optional<std::string>("no") : std::nullopt});
-  }
+  site.broker().answer_subscriptions("no", "canopen/line3/stop");
   site.loop().settle();
   const std::string health = site.retained("health");
   EXPECT_TRUE(contains(health, R"({"ts":"2026-01-02T03:04:)")) << health;
@@ -274,9 +270,7 @@ TEST(TruthTest, NothingIsAnnouncedBehindTheLastWords) {
   test::FakeBroker& broker = site.broker();
   broker.events->on_connected({.id = 1});  // the end comes before the broker has answered
   broker.while_stopping = [&broker] {
-    for (const Subscription& each : std::vector(broker.subscribed)) {
-      broker.events->on_subscribed({.filter = each.filter});
-    }
+    broker.answer_subscriptions();
   };
   site.stop_bridge();
   ASSERT_TRUE(broker.stopped);
