@@ -139,6 +139,7 @@ std::optional<Refusal> BrokerThread::connect(const std::string& address, int ver
     refusal_ = {};
     down_code_ = -1;
     drop_.reset();
+    suspects_takeover_ = false;
     stalled_ = false;
     ++connection_;
     watched_.clear();
@@ -243,7 +244,7 @@ void BrokerThread::drop_client() {
     }
   }
   in_flight_.clear();
-  loop_->post(Disconnected{why});
+  loop_->post(Disconnected{.why = why, .taken_over = is_takeover(down_code_)});
   if (outbox_.answers_dropped() != said_answers_) {
     said_answers_ = outbox_.answers_dropped();
     say(Level::warning, "MQTT: answers dropped because the broker was away, slow, or closed the connection: " +

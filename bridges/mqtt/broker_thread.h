@@ -52,6 +52,7 @@ class BrokerThread final : private ClientEvents {
   void unsubscribe(ConnectionId connection, std::vector<std::string> filters);
   void open(ConnectionId connection);
   void drop(ConnectionId connection, std::string why);
+  void suspect_takeover(ConnectionId connection);
   /// Only what waits and `last` are still sent, for as long as `patience`. Without last words the broker is made to
   /// publish the will.
   void finish(std::vector<Message> last, std::chrono::milliseconds patience);
@@ -124,6 +125,7 @@ class BrokerThread final : private ClientEvents {
   Refusal refusal_;
   int down_code_ = -1;
   std::optional<std::string> drop_;  ///< Why this connection is to be ended.
+  bool suspects_takeover_ = false;   ///< Of this connection's client id.
   bool stalled_ = false;
   BrokerLimits limits_;
   Clock::time_point progress_{};  ///< When something was acknowledged, or sent after a time of nothing.

@@ -64,6 +64,11 @@ void BrokerThread::drop(ConnectionId connection, std::string why) {
   wake_.notify_one();
 }
 
+void BrokerThread::suspect_takeover(ConnectionId connection) {
+  const std::lock_guard lock(mutex_);
+  suspects_takeover_ = suspects_takeover_ || connection == connection_;
+}
+
 void BrokerThread::finish(std::vector<Message> last, std::chrono::milliseconds patience) {
   const std::lock_guard lock(mutex_);
   has_last_words_ = !last.empty();
@@ -196,7 +201,7 @@ BrokerThread::End BrokerThread::how_it_ended() const {
     return {"the broker acknowledges nothing any more"};
   }
   if (down_code_ < 0) {
-    return {drop_.value_or("the connection broke")};
+    return {drop_.value_or("the connection broke"), suspects_takeover_};
   }
   std::string why = "the broker ended the connection: " + reason_text(down_code_);
   if (is_takeover(down_code_)) {

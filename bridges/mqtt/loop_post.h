@@ -21,6 +21,7 @@ namespace mqtt {
 /// What the publisher's threads tell the loop. They own what they tell.
 struct Disconnected {
   std::string why{};
+  bool taken_over = false;  ///< By another client with our client id.
 };
 struct Said {
   Level level = Level::info;

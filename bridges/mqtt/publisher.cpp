@@ -58,6 +58,10 @@ void Publisher::drop(ConnectionId connection, std::string why) {
   broker_thread_->drop(connection, std::move(why));
 }
 
+void Publisher::suspect_takeover(ConnectionId connection) {
+  broker_thread_->suspect_takeover(connection);
+}
+
 boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {
   if (thread_.joinable()) {
     broker_thread_->finish(std::move(last), broker_thread_->settings().farewell);
@@ -77,6 +81,9 @@ void Publisher::receive(LoopEvent& event) {
   } else if (const auto* connected = std::get_if<Connected>(&event)) {
     events_->on_connected(*connected);
   } else if (const auto* gone = std::get_if<Disconnected>(&event)) {
+    if (gone->taken_over) {
+      events_->on_taken_over();
+    }
     events_->on_disconnected(gone->why);
   } else if (const auto* subscribed = std::get_if<Subscribed>(&event)) {
     events_->on_subscribed(*subscribed);

@@ -25,8 +25,8 @@ struct DriveTopics {
 
 /// What a message is about, by its topic. Nothing in it is checked to exist.
 struct Route {
-  /// `alarm`, `status`: of ours, where somebody else may have written.
-  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm, status };
+  /// `alarm`, `status`: of ours, where somebody else may have written. `life`: where another gateway of our name shows.
+  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm, status, life };
   Kind kind = Kind::set_signal;
   std::string_view drive;   ///< A part of the topic; empty: all, or the gateway itself.
   std::string_view signal;  ///< Of set_signal.

@@ -51,6 +51,8 @@ void append_broker(text::ObjectText& object, const BrokerHealth& broker) {
   refused += ']';
   append_text_or_null(object, "last_break",
                       broker.last_break.empty() ? std::nullopt : std::optional(broker.last_break));
+  append_text_or_null(object, "another_instance", broker.other);
+  object.integer("put_right", static_cast<std::int64_t>(broker.put_right));
   object.integer("messages_dropped", static_cast<std::int64_t>(broker.messages_dropped));
   object.integer("answers_dropped", static_cast<std::int64_t>(broker.answers_dropped));
 }
@@ -90,6 +92,7 @@ std::string health_json(const Health& health) {
   std::string out;
   text::ObjectText object(out);
   object.text("ts", text::timestamp(health.ts));
+  object.text("instance", health.instance);
   if (!health.program.clock_set) {
     object.text("clock", "unset");
   }

@@ -48,6 +48,7 @@ class FakeBroker final : public Broker {
     dropped = connection;
     dropped_why = std::move(why);
   }
+  void suspect_takeover(ConnectionId connection) override { suspected = connection; }
   [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
@@ -120,6 +121,7 @@ class FakeBroker final : public Broker {
   ConnectionId opened = 0;
   ConnectionId dropped = 0;
   std::string dropped_why;
+  ConnectionId suspected = 0;  ///< Of a take-over.
   std::vector<Message> last_words;
   std::function<void()> while_stopping;  ///< What happens while the last words leave.
   bool stopped = false;

@@ -56,7 +56,7 @@ TEST_F(LeftoversTest, WhatIsPublishedStays) {
 
 TEST_F(LeftoversTest, ADriveThatIsGoneIsEmptied) {
   const Names all{"canopen/line3/old/alarm/emcy", "canopen/line3/old/control", "canopen/line3/old/speed",
-                    "canopen/line3/old/state", "canopen/line3/old/status"};
+                  "canopen/line3/old/state", "canopen/line3/old/status"};
   EXPECT_EQ(found_in({all[3], all[4], all[0], all[2], all[1]}), all);
   ASSERT_EQ(notices_.size(), 1U);
   for (const std::string& topic : all) {

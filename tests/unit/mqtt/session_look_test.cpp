@@ -162,11 +162,17 @@ TEST_F(SessionLook, ThatIsNotAnsweredIsSaidAndGivenBack) {
   EXPECT_NE(notices_[0].find("no answer within 10 s"), std::string::npos) << notices_[0];
 }
 
-TEST_F(SessionLook, ThatABreakEndedIsTriedAgain) {
+TEST_F(SessionLook, ThatABreakEndedIsTriedAgainOnce) {
   connect(1, start_);
   session_.lost();
   connect(2, start_ + 1s);
   EXPECT_EQ(session_.phase(), Phase::looking);
+  EXPECT_TRUE(notices_.empty());
+  session_.lost();
+  connect(3, start_ + 2s);
+  EXPECT_EQ(session_.phase(), Phase::subscribing) << "a broker may refuse it by closing";
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].find(kTree), std::string::npos) << notices_[0];
 }
 
 }  // namespace

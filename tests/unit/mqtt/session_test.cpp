@@ -147,6 +147,91 @@ TEST_F(SessionTest, OnTheNextConnectionARefusalThatStandsIsNotSaidAgain) {
   EXPECT_EQ(session_.deadline(), start_ + 1s) << "and the pauses begin anew; the test's clock stands";
 }
 
+TEST_F(SessionTest, OneThatIsNotAnsweredThreeTimesEndsTheConnection) {
+  connect(1, start_);
+  std::erase_if(broker_.unanswered, [](const Subscription& each) { return each.filter == kStop; });
+  answer();
+  canopen::TimePoint at = start_;
+  for (const canopen::Duration pause : {1s, 2s}) {
+    asked_at(at += Session::kSubscribePatience);
+    answer();  // of the watched ones
+    EXPECT_EQ(asked_at(at += pause), Filters{kStop});
+    EXPECT_EQ(broker_.dropped, 0U);
+  }
+  asked_at(at + Session::kSubscribePatience);
+  EXPECT_EQ(broker_.dropped, 1U);
+  EXPECT_NE(broker_.dropped_why.find("does not answer the subscription to canopen/line3/stop"), std::string::npos)
+      << broker_.dropped_why;
+  EXPECT_EQ(session_.phase(), Phase::offline);
+  EXPECT_EQ(session_.deadline(), canopen::kNever);
+}
+
+TEST_F(SessionTest, AnAnswerEndsTheCount) {
+  connect(1, start_);
+  answer(kStop);
+  canopen::TimePoint at = start_;
+  for (int i = 0; i < 4; ++i) {
+    at += 5s;
+    EXPECT_EQ(asked_at(at), Filters{kStop});
+    at += Session::kSubscribePatience;
+    EXPECT_EQ(asked_at(at), Filters{});  // not answered
+    at += 5s;
+    EXPECT_EQ(asked_at(at), Filters{kStop});
+    answer(kStop);
+  }
+  EXPECT_EQ(broker_.dropped, 0U);
+}
+
+// Some brokers refuse by closing.
+TEST_F(SessionTest, AWatchedOneAtWhichTheConnectionBreaksTwiceIsLeftOutAtThisBroker) {
+  constexpr const char* kAlarms = "canopen/line3/alarms";
+  const auto break_at = [this](const std::string& filter, ConnectionId connection) {
+    connect(connection, now_);
+    bool broken = false;
+    while (!broken && !broker_.unanswered.empty()) {
+      for (const Subscription& each : std::exchange(broker_.unanswered, {})) {
+        broken = broken || each.filter == filter;
+        if (!broken) {
+          session_.subscribed({.filter = each.filter}, now_);
+        }
+      }
+    }
+    session_.lost();
+    return broken;
+  };
+  EXPECT_TRUE(break_at(kAlarms, 1));
+  connect(2, now_);
+  answer();
+  EXPECT_TRUE(session_.ready()) << "once may be chance";
+  session_.lost();
+  EXPECT_TRUE(break_at(kAlarms, 3)) << "not in a row with the first";
+  EXPECT_TRUE(notices_.empty());
+  EXPECT_TRUE(break_at(kAlarms, 4));
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].find(kAlarms), std::string::npos) << notices_[0];
+  EXPECT_FALSE(break_at(kAlarms, 5)) << "it is not asked for";
+  connect(6, now_);
+  answer();
+  EXPECT_TRUE(session_.ready());
+  EXPECT_EQ(session_.refused(), Filters{kAlarms});
+  EXPECT_EQ(notices_.size(), 1U);
+  session_.lost();
+  EXPECT_TRUE(session_.refused().empty());
+  session_.connected({.id = 7, .broker = "other:1883"}, now_);
+  session_.subscribed({.filter = kTree, .refused = "no"}, now_);
+  answer();
+  EXPECT_TRUE(session_.refused().empty()) << "another broker may allow it";
+}
+
+TEST_F(SessionTest, CommandsAreNeverLeftOut) {
+  for (ConnectionId connection = 1; connection < 6; ++connection) {
+    connect(connection, now_);
+    EXPECT_EQ(broker_.unanswered.size(), topics_.command_subscriptions().size());
+    session_.lost();
+  }
+  EXPECT_TRUE(notices_.empty());
+}
+
 TEST_F(SessionTest, EachConnectionSubscribesAgain) {
   connect(1, start_);
   answer();

@@ -215,6 +215,7 @@ TEST(MqttTruth, HealthTellsOfTheGatewayAndItsConnection) {
   EXPECT_TRUE(contains(health, R"("uptime":90,"buses":[{"name":"can0","state":"active","load":null}],)"
                                R"("drives":1,"drives_online":1,"broker":"10.0.0.1:1883","protocol":"3.1.1",)"
                                R"("refused_subscriptions":["canopen/line3/stop"],"last_break":null,)"
+                               R"("another_instance":null,"put_right":0,)"
                                R"("messages_dropped":4,"answers_dropped":5,"log_messages_lost":3,)"
                                R"("memory":12345678,"journal":"ab12"})"))
       << health;
@@ -269,9 +270,7 @@ TEST(TruthTest, NothingIsAnnouncedBehindTheLastWords) {
   site.bring_up_drive();
   test::FakeBroker& broker = site.broker();
   broker.events->on_connected({.id = 1});  // the end comes before the broker has answered
-  broker.while_stopping = [&broker] {
-    broker.answer_subscriptions();
-  };
+  broker.while_stopping = [&broker] { broker.answer_subscriptions(); };
   site.stop_bridge();
   ASSERT_TRUE(broker.stopped);
   EXPECT_EQ(broker.last_words.back().payload, "offline");
