@@ -20,20 +20,20 @@ constexpr int kWindow = static_cast<int>(BrokerLimits{}.window);
 constexpr int kPahoBuffer = kWindow * 2;
 // Longest message we take, in bytes (MQTT 5 only): the broker drops longer ones.
 constexpr std::int32_t kMaxIncoming = 128 * 1024;
-// For as long a broker says nothing of a connection that broke, since the next one is there by then; a session that
-// ends earlier would let it speak at once (MQTT 5 §3.1.2.5).
-constexpr std::uint32_t kWillDelay = 5;
-constexpr std::uint32_t kSessionExpiry = 10;
 // Of a SUBACK that says nothing.
 constexpr int kUnspecified = 0x80;
+
+std::int32_t seconds_of(std::chrono::seconds duration) {
+  return static_cast<std::int32_t>(duration.count());
+}
 
 connect_options options_of(const ClientSettings& settings) {
   connect_options options;
   options.set_mqtt_version(settings.version);
   if (settings.version >= MQTTVERSION_5) {
     options.set_clean_start(true);
-    options.set_properties(
-        {{property::SESSION_EXPIRY_INTERVAL, kSessionExpiry}, {property::MAXIMUM_PACKET_SIZE, kMaxIncoming}});
+    options.set_properties({{property::SESSION_EXPIRY_INTERVAL, seconds_of(settings.session_expiry)},
+                            {property::MAXIMUM_PACKET_SIZE, kMaxIncoming}});
   } else {
     options.set_clean_session(true);
   }
@@ -47,7 +47,7 @@ connect_options options_of(const ClientSettings& settings) {
   }
   will_options will(settings.will_topic, settings.will_payload, settings.qos, true);
   if (settings.version >= MQTTVERSION_5) {
-    will.set_properties({{property::WILL_DELAY_INTERVAL, kWillDelay}});
+    will.set_properties({{property::WILL_DELAY_INTERVAL, seconds_of(settings.will_delay)}});
   }
   options.set_will(std::move(will));
   return options;
@@ -283,7 +283,7 @@ bool succeeds(Call call) {
 
 }  // namespace
 
-Client::Client(const ClientSettings& settings, ClientEvents& events) {
+Client::Client(const ClientSettings& settings, ClientEvents& events) : version_(settings.version) {
   if (!succeeds([&] { body_ = std::make_unique<Body>(settings, events); })) {
     body_ = nullptr;  // connect() tells
   }

@@ -23,6 +23,10 @@ struct ClientSettings {
   int qos = 1;
   std::chrono::seconds keep_alive{10};
   std::chrono::seconds connect_timeout{5};
+  /// MQTT 5: for as long a broker says nothing of a connection that broke, since the next one is there by then.
+  std::chrono::seconds will_delay{5};
+  /// MQTT 5: a session that ends earlier would let it speak at once (§3.1.2.5).
+  std::chrono::seconds session_expiry{10};
 };
 
 /// What the broker takes.
@@ -89,6 +93,7 @@ class Client {
   [[nodiscard]] Sent publish(const Message& message);
   [[nodiscard]] bool subscribe(const Subscription& subscription);
   [[nodiscard]] bool unsubscribe(const std::string& filter);
+  [[nodiscard]] int version() const noexcept { return version_; }
   /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
   /// for it, and never leaves without a goodbye).
   void disconnect(std::chrono::milliseconds patience, bool say_will);
@@ -96,6 +101,7 @@ class Client {
  private:
   class Body;
   std::unique_ptr<Body> body_;
+  int version_;
 };
 
 }  // namespace mqtt

@@ -23,16 +23,25 @@ void Outbox::push(std::vector<Message> batch, TimePoint now) {
   }
 }
 
-std::optional<Outbox::Item> Outbox::pop(TimePoint now) {
+Outbox::Queue::iterator Outbox::first(TimePoint now) {
   drop_old_answers(now);
-  const auto first = std::find_if(waiting_.begin(), waiting_.end(), [this](const auto& each) {
+  return std::find_if(waiting_.begin(), waiting_.end(), [this](const auto& each) {
     return !each.second.messages.front().after_all || each.first.second == *places_.begin();
   });
-  if (first == waiting_.end()) {
+}
+
+const Message* Outbox::front(TimePoint now) {
+  const auto next = first(now);
+  return next == waiting_.end() ? nullptr : &next->second.messages.front();
+}
+
+std::optional<Outbox::Item> Outbox::pop(TimePoint now) {
+  const auto next = first(now);
+  if (next == waiting_.end()) {
     return std::nullopt;
   }
-  Waiting& waiting = first->second;
-  Item item{std::move(waiting.messages.front()), first->first.second, waiting.arrived, waiting.tries + 1};
+  Waiting& waiting = next->second;
+  Item item{std::move(waiting.messages.front()), next->first.second, waiting.arrived, waiting.tries + 1};
   if (item.message.kind == MessageKind::answer) {
     --answers_;
     answer_bytes_ -= size_of(item.message);
@@ -42,7 +51,7 @@ std::optional<Outbox::Item> Outbox::pop(TimePoint now) {
   } else {
     newest_.erase(item.message.topic);
   }
-  erase(first);
+  erase(next);
   return item;
 }
 
@@ -63,9 +72,12 @@ void Outbox::forget_retained() {
 
 void Outbox::push_newest(Message message, TimePoint now) {
   const auto known = newest_.find(message.topic);
-  if (known == newest_.end()) {
+  if (known != newest_.end() && message.after_all) {
+    erase(waiting_.find(known->second));
+  }
+  if (known == newest_.end() || message.after_all) {
     const Key key(message.kind, ++place_);
-    newest_.emplace(message.topic, key);
+    newest_.insert_or_assign(message.topic, key);
     places_.insert(key.second);
     Waiting& added = waiting_[key];
     added.batch = batch_;
@@ -77,6 +89,7 @@ void Outbox::push_newest(Message message, TimePoint now) {
   known->second.first = message.kind;
   entry.key() = known->second;
   Waiting& waiting = entry.mapped();
+  message.after_all = waiting.messages.back().after_all;
   if (waiting.batch != batch_) {
     waiting.messages.clear();
   }

@@ -18,7 +18,8 @@ namespace mqtt {
 
 /// Messages that wait for the broker. They leave by kind, within a kind in the order in which their topics began to
 /// wait. Of each topic only the newest waits, in the place of the one before, so that no topic starves; several of one
-/// batch wait together where nothing did before (a pulse). Answers each count, but not for long: they are dropped, and
+/// batch wait together where nothing did before (a pulse). One that goes after all takes a place of its own, behind all
+/// that waits, and what replaces it goes after all too. Answers each count, but not for long: they are dropped, and
 /// counted, when they are older than kAnswerAge, were tried on kAnswerTries connections, or are too many. Holds one
 /// message per topic, one batch of pulses, and the answers. Knows no time but what it is given. Not thread-safe.
 class Outbox {
@@ -38,7 +39,8 @@ class Outbox {
   };
 
   void push(std::vector<Message> batch, TimePoint now);
-  /// Nothing where nothing may leave.
+  /// What pop() gives; nullptr where nothing waits.
+  [[nodiscard]] const Message* front(TimePoint now);
   [[nodiscard]] std::optional<Item> pop(TimePoint now);
   /// An answer that left and may not have arrived, because its connection went.
   void put_back(Item answer, TimePoint now);
@@ -59,6 +61,7 @@ class Outbox {
   };
   using Queue = std::map<Key, Waiting>;
 
+  [[nodiscard]] Queue::iterator first(TimePoint now);
   void push_newest(Message message, TimePoint now);
   void push_answer(Message message, std::uint64_t place, TimePoint arrived, int tries);
   void drop_old_answers(TimePoint now);

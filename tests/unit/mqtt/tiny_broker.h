@@ -22,6 +22,7 @@ class TinyBroker {
     bool closes_on_5 = false;          ///< Closes where it should refuse MQTT 5.
     bool closes_on_subscribe = false;  ///< Closes the connection instead of a SUBACK.
     std::string hates{};               ///< Closes the connection on each PUBLISH there.
+    std::size_t patience = 0;          ///< Takes so many of a connection, and closes it on the next; 0: any number.
     bool by_hand = false;              ///< Takes a PUBLISH only when take_one() asks for it.
     std::size_t flood = 0;             ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
@@ -57,7 +58,8 @@ class TinyBroker {
   std::uint16_t port_ = 0;
   std::atomic<bool> stopping_ = false;
   std::atomic<int> kick_ = 0;
-  int level_ = 0;  ///< Of the connection.
+  int level_ = 0;          ///< Of the connection.
+  std::size_t taken_ = 0;  ///< Likewise.
   mutable std::mutex mutex_;
   std::vector<int> levels_;
   std::vector<std::string> published_;
