@@ -47,6 +47,7 @@ Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Par
     case Route::Kind::stop_all:
     case Route::Kind::alarm:
     case Route::Kind::status:
+    case Route::Kind::life:
       break;
   }
   return Error{.kind = ErrorKind::unknown, .detail = "nothing is asked for by this topic"};

@@ -58,7 +58,8 @@ subscribe_options options_of(const Subscription& subscription) {
   if (subscription.watched) {
     return subscribe_options(
         subscription.own_too ? subscribe_options::SUBSCRIBE_LOCAL : subscribe_options::SUBSCRIBE_NO_LOCAL,
-        subscribe_options::NO_RETAIN_AS_PUBLISHED, subscribe_options::DONT_SEND_RETAINED);
+        subscribe_options::NO_RETAIN_AS_PUBLISHED,
+        subscription.kept ? subscribe_options::SEND_RETAINED_ON_SUBSCRIBE : subscribe_options::DONT_SEND_RETAINED);
   }
   return subscribe_options(subscribe_options::SUBSCRIBE_LOCAL, subscribe_options::RETAIN_AS_PUBLISHED);
 }

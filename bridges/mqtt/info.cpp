@@ -66,10 +66,12 @@ void append_bus(std::string& out, const config::Bus& bus) {
 
 }  // namespace
 
-std::string info_json(const config::Model& model, const Topics& topics, std::string_view version) {
+std::string info_json(const config::Model& model, const Topics& topics, std::string_view version,
+                      std::string_view instance) {
   std::string out;
   text::ObjectText object(out);
   object.text("version", version);
+  object.text("instance", instance);
   object.text("gateway", model.gateway.name);
   object.text("base", topics.root());
   text::append_list(object.key("buses"), model.buses, append_bus);

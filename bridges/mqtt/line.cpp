@@ -34,7 +34,7 @@ void Line::down(int code) {
 std::vector<Line::Order> Line::take_orders() {
   for (const Order& order : orders) {
     std::erase(watched, order.subscription.filter);  // one that was refused is asked for again and again
-    if (order.subscription.watched) {
+    if (order.subscription.watched || order.subscription.bulk) {
       watched.push_back(order.subscription.filter);
     }
   }
@@ -51,7 +51,9 @@ Line::End Line::end(const std::string& client_id) const {
     return {.why = "the broker acknowledges nothing any more"};
   }
   if (down_code < 0) {
-    return {.why = drop.value_or("the connection broke"), .unexplained = state == State::down && !drop};
+    return {.why = drop.value_or("the connection broke"),
+            .stays = suspects_takeover,
+            .unexplained = state == State::down && !drop};
   }
   std::string why = "the broker ended the connection: " + reason_text(down_code);
   if (is_takeover(down_code)) {

@@ -29,7 +29,8 @@ struct Line {
   State state = State::none;
   BrokerLimits limits{};
   Refusal refusal{};
-  int down_code = -1;  ///< Of the DISCONNECT that the broker sent; negative: none came.
+  int down_code = -1;              ///< Of the DISCONNECT that the broker sent; negative: none came.
+  bool suspects_takeover = false;  ///< Of the client id, by another client.
   bool stalled = false;
   std::optional<std::string> drop{};  ///< It is to be ended from this side: why.
   std::vector<Order> orders{};

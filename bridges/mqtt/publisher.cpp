@@ -78,6 +78,11 @@ void Publisher::drop(ConnectionId connection, std::string why) {
   wake_.notify_one();
 }
 
+void Publisher::suspect_takeover(ConnectionId connection) {
+  const Guard lock(mutex_);
+  line_.suspects_takeover = line_.suspects_takeover || connection == line_.connection;
+}
+
 BrokerCounts Publisher::counts() const {
   const Guard lock(mutex_);
   return traffic_.counts();

@@ -56,6 +56,7 @@ class Publisher final : public Broker, private ClientEvents {
   void publish(std::vector<Message> batch) override;
   void open(ConnectionId connection) override;
   void drop(ConnectionId connection, std::string why) override;
+  void suspect_takeover(ConnectionId connection) override;
   [[nodiscard]] BrokerCounts counts() const override;
   [[nodiscard]] bool alive() const override;
   boost::asio::awaitable<void> stop(std::vector<Message> last) override;

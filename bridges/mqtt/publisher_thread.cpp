@@ -193,7 +193,12 @@ void Publisher::drop_client() {
   if (line_.stood()) {
     const Line::End end = line_.end(settings_.client.client_id);
     traffic_.end(end.unexplained, Clock::now());
-    loop_->post([this, why = end.why] { events_->on_disconnected(why); });
+    loop_->post([this, why = end.why, taken_over = is_takeover(line_.down_code)] {
+      if (taken_over) {
+        events_->on_taken_over();
+      }
+      events_->on_disconnected(why);
+    });
   }
   line_.state = Line::State::none;
   line_.orders.clear();

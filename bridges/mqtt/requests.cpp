@@ -44,7 +44,9 @@ process::CommandRecord::Kind kind_of(const Route& route) {
 }
 
 bool carries_no_command(const Route& route) {
-  return route.kind == Route::Kind::alarm || route.kind == Route::Kind::status || route.kind == Route::Kind::alive;
+  using Kind = Route::Kind;
+  return route.kind == Kind::alarm || route.kind == Kind::status || route.kind == Kind::life ||
+         route.kind == Kind::alive;
 }
 
 }  // namespace

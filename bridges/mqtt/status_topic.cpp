@@ -42,13 +42,14 @@ void StatusTopic::collect(bool online, canopen::TimePoint now, std::vector<Messa
     return;
   }
   const bool first = !online_;
-  put_right_.told(now);
+  const bool puts_right = put_right_.told(now);
   if (changed) {
     echo_until_ = now + PutRight::kEcho;
   }
   online_ = online;
   published_ = now;
   Message message = offline();
+  message.puts_right = puts_right;
   if (online) {
     message.payload = online_text(true);
     message.expiry = expiry_of(*settings_);

@@ -33,6 +33,8 @@ void append_broker(text::ObjectText& object, const BrokerHealth& broker) {
   object.text("protocol", broker.protocol);
   text::append_list(object.key("refused_subscriptions"), broker.refused, text::append_quoted);
   object.text("last_break", unless_empty(broker.last_break));
+  object.text("another_instance", broker.other);
+  object.integer("put_right", broker.put_right);
   object.integer("messages_dropped", broker.messages_dropped);
   object.integer("answers_dropped", broker.answers_dropped);
 }
@@ -72,6 +74,7 @@ std::string health_json(const Health& health) {
   std::string out;
   text::ObjectText object(out);
   object.text("ts", text::timestamp(health.ts));
+  object.text("instance", health.instance);
   if (!health.program.clock_set) {
     object.text("clock", "unset");
   }
