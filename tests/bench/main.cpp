@@ -4,7 +4,7 @@
 
 #include "tests/bench/parts.h"
 
-// gateway_bench modbus | mqtt | storm | frames INTERFACE
+// gateway_bench modbus | mqtt | latency | storm | frames INTERFACE
 int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "";
   try {
@@ -12,12 +12,14 @@ int main(int argc, char** argv) {
       bench::modbus();
     } else if (part == "mqtt" && argc == 2) {
       bench::mqtt();
+    } else if (part == "latency" && argc == 2) {
+      bench::latency();
     } else if (part == "storm" && argc == 2) {
       bench::storm();
     } else if (part == "frames" && argc == 3) {
       bench::frames(argv[2]);
     } else {
-      std::fputs("usage: gateway_bench modbus | mqtt | storm | frames INTERFACE\n", stderr);
+      std::fputs("usage: gateway_bench modbus | mqtt | latency | storm | frames INTERFACE\n", stderr);
       return 2;
     }
   } catch (const std::exception& error) {

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "tests/bench/rates.h"
 
@@ -19,7 +20,8 @@ constexpr std::chrono::milliseconds kTime{1500};
 
 class Subscriber::Body final : public virtual mqtt::callback {
  public:
-  Body(const std::string& uri, const std::string& filter) : client_(uri, "bench-subscriber-" + filter, nullptr) {
+  Body(const std::string& uri, const std::string& filter, Handler handler)
+      : client_(uri, "bench-subscriber-" + filter, nullptr), handler_(std::move(handler)) {
     client_.set_callback(*this);
     for (int tries = 0;; ++tries) {
       try {
@@ -40,6 +42,9 @@ class Subscriber::Body final : public virtual mqtt::callback {
 
   void message_arrived(mqtt::const_message_ptr message) override {
     ++count_;
+    if (handler_) {
+      handler_(message->get_payload_str());
+    }
     const std::lock_guard lock(mutex_);
     if (kept_.size() < kKept) {
       kept_.push_back({message->get_topic(), message->get_payload_str()});
@@ -54,13 +59,14 @@ class Subscriber::Body final : public virtual mqtt::callback {
 
  private:
   mqtt::async_client client_;
+  Handler handler_;
   std::atomic<std::uint64_t> count_{0};
   std::mutex mutex_;
   std::vector<Published> kept_;
 };
 
-Subscriber::Subscriber(const std::string& uri, const std::string& filter)
-    : body_(std::make_unique<Body>(uri, filter)) {}
+Subscriber::Subscriber(const std::string& uri, const std::string& filter, Handler handler)
+    : body_(std::make_unique<Body>(uri, filter, std::move(handler))) {}
 
 Subscriber::~Subscriber() = default;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,8 +18,11 @@ struct Published {
 /// Counts what arrives at a subscription, and keeps the first of it.
 class Subscriber {
  public:
+  /// Told of each payload, in Paho's thread.
+  using Handler = std::function<void(const std::string& payload)>;
+
   /// Waits a few seconds for the broker at `uri`; throws std::runtime_error when it does not answer.
-  Subscriber(const std::string& uri, const std::string& filter);
+  Subscriber(const std::string& uri, const std::string& filter, Handler handler = {});
   ~Subscriber();
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
