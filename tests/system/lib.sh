@@ -237,6 +237,20 @@ retained() { mosquitto_sub "${credentials[@]}" -h "$broker_host" -p "$broker_por
 # field TOPIC JQ-EXPRESSION: of a retained JSON
 field() { retained "$1" | jq -r "$2"; }
 
+# look HOST SECONDS: at all that the broker there keeps of the gateway; kept tells of it
+look() {
+  mosquitto_sub "${credentials[@]}" -h "$1" -p "$broker_port" -t "$topics/#" -W "$2" -F '%r %t %p' 2>/dev/null |
+    sed -n "s|^1 $topics/||p" >"$work/$1.kept"
+}
+# kept HOST TOPIC [JQ-EXPRESSION]: a payload, or what the expression makes of its JSON
+kept() {
+  local payload
+  payload=$(sed -n "s|^$2 ||p" "$work/$1.kept")
+  if [ $# = 3 ]; then jq -r "$3" <<<"$payload"; else echo "$payload"; fi
+}
+# is_kept HOST TOPIC VALUE, or HOST TOPIC JQ-EXPRESSION VALUE
+is_kept() { [ "$(kept "${@:1:$#-1}")" = "${!#}" ]; }
+
 # The broker keeps nothing there. That it keeps the gateway's status shows that the question was answered.
 is_emptied() {
   [ "$(mosquitto_sub -h "$broker_host" -p "$broker_port" -W 1 -F %t -t "$topics/status" -t "$1" 2>/dev/null)" = "$topics/status" ]

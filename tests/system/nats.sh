@@ -40,30 +40,22 @@ commanded() {
   mosquitto_rr -V 311 -h "$broker_host" -p "$broker_port" -W 10 -q 1 -t "$topics/$1" -e "$topics/result" -m "$2" |
     grep '"ok":true'
 }
-# what_is_kept: asks all $nodes at once; each answers in its own time.
-what_is_kept() {
-  local node asked=()
+# all_true FAULTY HEALTHY: what every node tells; the drives with and without a fault
+all_true() {
+  local node drive asked=()
   for node in "${nodes[@]}"; do
-    mosquitto_sub -V 311 -h "$node" -p "$broker_port" -t "$topics/#" -W 8 -F '%r %t %p' 2>/dev/null |
-      sed -n "s|^1 $topics/||p" >"$work/$node.kept" &
+    look "$node" 8 &
     asked+=($!)
   done
   wait "${asked[@]}"
-}
-# kept TOPIC [JQ-EXPRESSION]: of what $node answered last
-kept() { sed -n "s|^$1 ||p" "$work/$node.kept" | jq -Rr "fromjson? // . | ${2:-.}"; }
-# all_true FAULTY HEALTHY: what every node tells; the drives with and without a fault
-all_true() {
-  local node drive
-  what_is_kept
   for node in "${nodes[@]}"; do
-    [ "$(kept status)" = online ] && [ "$(kept health .drives_online)" = 3 ] || return 1
+    is_kept "$node" status online && is_kept "$node" health .drives_online 3 || return 1
     for drive in fan1 fan2 fan3; do
-      [ "$(kept "$drive/status")" = online ] && [ "$(kept "$drive/state" '[.online, .fresh] | @json')" = '[true,true]' ] ||
+      is_kept "$node" "$drive/status" online && is_kept "$node" "$drive/state" '[.online, .fresh] | @json' '[true,true]' ||
         return 1
     done
-    [ "$(kept fan3/state .values.output_frequency)" = "$(jq -n "$(drive_says 3 frequency)")" ] || return 1
-    [ "$(kept "$1/alarm/emcy" .active)" = true ] && [ "$(kept "$2/alarm/emcy" .active)" = false ] || return 1
+    is_kept "$node" fan3/state .values.output_frequency "$(jq -n "$(drive_says 3 frequency)")" &&
+      is_kept "$node" "$1/alarm/emcy" .active true && is_kept "$node" "$2/alarm/emcy" .active false || return 1
   done
 }
 
@@ -74,8 +66,7 @@ wait_until 10 "all drives online" register_is 0 2 3
 wait_until 60 "connected to the cluster" register_is 0 4 1
 order 1 fault 0x0006
 wait_until 60 "every node tells the truth" all_true fan1 fan2
-node=127.0.0.1
-expect "it speaks" 3.1.1 "$(kept health .protocol)"
+expect "it speaks" 3.1.1 "$(kept 127.0.0.1 health .protocol)"
 wait_until 60 "a motor runs" \
   commanded fan3/set '{"frequency_command":30.0,"torque_command":0.0,"control_command":1,"id":"a1"}'
 wait_until 10 "30 Hz" register_is 3 2 3000
