@@ -38,7 +38,7 @@ set(GATEWAY_COMMON_HEADERS
   <boost/asio/redirect_error.hpp> <boost/asio/use_awaitable.hpp> <boost/system/result.hpp>)
 
 function(gateway_precompiled name)
-  file(WRITE "${CMAKE_BINARY_DIR}/precompiled/${name}.cpp" "")
+  file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/precompiled/${name}.cpp" CONTENT "")  # untouched where it is there
   add_library(${name} OBJECT "${CMAKE_BINARY_DIR}/precompiled/${name}.cpp")
   target_link_libraries(${name} PRIVATE gateway_options ${ARGN})
 endfunction()

@@ -127,10 +127,10 @@ AlarmLog::Line AlarmLog::line_of(std::size_t subject) const {
   }
   const std::size_t bus = subject - of_drives;
   const Alarm& alarm = plant_.bus_alarm(bus);
-  return {
-      level_of(alarm),
-      fmt::format("bus {}: {}{}{}", plant_.model().buses[bus].name, canopen::describe(plant_.bus_state(bus).condition),
-                  alarm.active && alarm.first ? ", first" : "", left_out(alarm, subjects_[subject].count))};
+  return {level_of(alarm),
+          fmt::format("bus {}: {}{}{}", plant_.model().buses[bus].name,
+                      alarm.active ? alarm.text : canopen::describe(plant_.bus_state(bus).condition),
+                      alarm.active && alarm.first ? ", first" : "", left_out(alarm, subjects_[subject].count))};
 }
 
 AlarmLog::Line AlarmLog::line_of(const process::Drive& drive, AlarmKind kind, const Subject& subject) const {

@@ -15,7 +15,11 @@ using process::CommandRecord;
 using process::FieldRecord;
 using process::Outcome;
 
+/// A client that polls what it is refused does so for hours.
+constexpr canopen::Duration kPauseOfPolled = std::chrono::minutes(1);
 constexpr canopen::Duration kPause = std::chrono::seconds(1);
+/// Clients that change their address all the time make so many at most; all further ones are told together.
+constexpr std::size_t kMaxKinds = 1000;
 
 std::string field_text(const config::Drive& drive, const FieldRecord& field) {
   if (field.signal >= drive.signals.size()) {
@@ -31,11 +35,12 @@ std::string field_text(const config::Drive& drive, const FieldRecord& field) {
 }
 
 std::string what_of(const CommandRecord& record) {
-  if (record.nmt) {
-    return "NMT " + std::string(canopen::name_of(*record.nmt));
+  if (record.kind == CommandRecord::Kind::nmt) {
+    return record.nmt ? "NMT " + std::string(canopen::name_of(*record.nmt)) : "NMT (no command)";
   }
-  if (record.object) {
-    return fmt::format("object {} = {}", canopen::to_string(record.object->object), record.object->raw);
+  if (record.kind == CommandRecord::Kind::raw) {
+    return record.object ? fmt::format("object {} = {}", canopen::to_string(record.object->object), record.object->raw)
+                         : "object (no request)";
   }
   std::string text;
   for (const FieldRecord& field : record.fields) {
@@ -61,29 +66,34 @@ bool nothing_sent(const Outcome& outcome) {
          outcome.error().kind != canopen::ErrorKind::refused;
 }
 
-/// Of what there may be very many; empty: told always.
-std::string pace_of(const CommandRecord& record, const Outcome& outcome) {
+/// Of what there may be very many, what it is called, and how long the next line waits; empty: told always.
+std::pair<std::string, canopen::Duration> pace_of(const CommandRecord& record, const Outcome& outcome) {
   if (nothing_sent(outcome)) {
-    return "refused " + std::string(process::answer_of(outcome.error().kind).mqtt_code);
+    return {"refused " + std::string(process::answer_of(outcome.error().kind).mqtt_code),
+            record.writer.way == process::Writer::Way::modbus ? kPauseOfPolled : kPause};
   }
   const bool set_points = record.kind == CommandRecord::Kind::write && !record.writes_control;
-  return set_points ? "set-points" : "";
+  return {set_points ? "set-points" : "", kPause};
 }
 
 }  // namespace
 
 void CommandLog::on_done(const CommandRecord& record, const Outcome& outcome, canopen::TimePoint now) {
   const std::string writer = process::to_string(record.writer);
-  const Kind kind{record.drive->name, writer, pace_of(record, outcome)};
-  end_seconds(kind, now);
+  const auto [name, pause] = pace_of(record, outcome);
+  Kind kind{record.drive->name, writer, name};
+  if (paced_.size() >= kMaxKinds && !paced_.contains(kind)) {
+    kind = {"all drives", "other writers", name};
+  }
+  end_pauses(kind, now);
   std::string more;
-  if (!std::get<2>(kind).empty()) {
-    const auto [paced, is_new] = paced_.try_emplace(kind, Paced{.told = now});
-    if (!is_new && now - paced->second.told < kPause) {
+  if (!name.empty()) {
+    const auto [paced, is_new] = paced_.try_emplace(kind, Paced{.until = now + pause});
+    if (!is_new && now < paced->second.until) {
       ++paced->second.left_out;
       return;
     }
-    paced->second.told = now;
+    paced->second.until = now + pause;
     if (const std::size_t left_out = std::exchange(paced->second.left_out, 0); left_out > 0) {
       more = fmt::format(", and {} before it", left_out);
     }
@@ -92,10 +102,10 @@ void CommandLog::on_done(const CommandRecord& record, const Outcome& outcome, ca
                      outcome_text(record, outcome, now), record.id, more));
 }
 
-/// What was left out of other kinds, whose second is over.
-void CommandLog::end_seconds(const Kind& but, canopen::TimePoint now) {
+/// What was left out of other kinds, whose pause is over.
+void CommandLog::end_pauses(const Kind& but, canopen::TimePoint now) {
   for (auto paced = paced_.begin(); paced != paced_.end();) {
-    if (paced->first == but || now - paced->second.told < kPause) {
+    if (paced->first == but || now < paced->second.until) {
       ++paced;
       continue;
     }

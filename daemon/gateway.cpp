@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "bridges/alarms/alarm_id.h"
 #include "bridges/mqtt/publisher.h"
 #include "daemon/control/plant_service.h"
 #include "daemon/journal_place.h"
@@ -73,9 +74,10 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     plant_.add(*modbus_);
   }
   if (model.mqtt) {
-    mqtt_ = std::make_unique<mqtt::Bridge>(executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION,
-                                           mqtt::make_publisher(executor, *model.mqtt, model.gateway, log_notice),
-                                           log_notice);
+    mqtt_ = std::make_unique<mqtt::Bridge>(
+        executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION, alarms::random_id(),
+        std::make_unique<mqtt::Publisher>(executor, mqtt::publisher_settings(*model.mqtt, model.gateway), log_notice),
+        log_notice);
     plant_.add(*mqtt_);
     mqtt_->tell_program_health_by(
         [this] { return program_health(started_, journal_ ? journal_->newest_hash() : std::string()); });

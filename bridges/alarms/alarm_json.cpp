@@ -22,27 +22,17 @@ std::string vendor_text(const std::array<std::uint8_t, 5>& vendor) {
 
 // A time that never was is null.
 void append_time(text::ObjectText& object, std::string_view name, canopen::WallTime time) {
-  if (time == canopen::WallTime{}) {
-    object.null(name);
-  } else {
-    object.text(name, text::timestamp(time));
-  }
+  object.text(name, time == canopen::WallTime{} ? std::nullopt : std::optional(text::timestamp(time)));
 }
 
-void append_errors(std::string& out, const std::vector<AlarmError>& errors) {
-  out += '[';
-  bool first = true;
-  for (const AlarmError& error : errors) {
-    text::append_separator(out, first);
-    text::ObjectText object(out);
-    object.text("code", "0x" + canopen::hex(error.code, 4));
-    object.text("vendor", vendor_text(error.vendor));
-    object.text("severity", name_of(error.severity));
-    object.text("text", error.text);
-    append_time(object, "since", error.since);
-    object.close();
-  }
-  out += ']';
+void append_error(std::string& out, const AlarmError& error) {
+  text::ObjectText object(out);
+  object.text("code", "0x" + canopen::hex(error.code, 4));
+  object.text("vendor", vendor_text(error.vendor));
+  object.text("severity", name_of(error.severity));
+  object.text("text", error.text);
+  append_time(object, "since", error.since);
+  object.close();
 }
 
 }  // namespace
@@ -66,7 +56,7 @@ std::string alarm_json(const Alarm& alarm) {
   object.integer("count", alarm.count);
   object.boolean("confirmed", alarm.confirmed);
   object.boolean("first", alarm.first);
-  append_errors(object.key("errors"), alarm.errors);
+  text::append_list(object.key("errors"), alarm.errors, append_error);
   object.close();
   return out;
 }

@@ -20,6 +20,9 @@ namespace alarms {
 /// `warning`, `passive`, `bus-off`, `down`; empty: no alarm.
 [[nodiscard]] std::string_view bus_reason(canopen::BusCondition condition) noexcept;
 
+/// Of a bus: another gateway of our name is at the MQTT broker, and commands drives of its own or the same ones.
+inline constexpr std::string_view kOtherGateway = "other-gateway";
+
 /// Of an alarm without codes; of `emcy` each error has its own.
 [[nodiscard]] config::Severity severity_of(AlarmKind kind) noexcept;
 [[nodiscard]] config::Severity severity_of(canopen::BusCondition condition) noexcept;

@@ -11,7 +11,8 @@ namespace {
 
 using process::CommandRecord;
 
-// Clients that change their address or their signals all the time make so many kinds at most.
+// Clients that change their address or their signals all the time make so many kinds at most, and one more for each
+// outcome: all further ones together.
 constexpr std::size_t kMaxKinds = 1000;
 
 std::string name_of(const CommandRecord& record) {
@@ -59,9 +60,10 @@ boost::asio::awaitable<void> Journal::begun(const CommandRecord& record) {
 
 void Journal::done(const CommandRecord& record, const process::Outcome& outcome) {
   const canopen::TimePoint now = canopen::Clock::now();
-  std::string who = who_text(record) + ",\"outcome\":\"" + code_of(outcome) + '"';
+  const std::string code = "\"outcome\":\"" + code_of(outcome) + '"';
+  std::string who = who_text(record) + ',' + code;
   const auto begun = begun_.find(name_of(record));
-  const auto kind = begun == begun_.end() ? kind_of(record, outcome, who) : std::nullopt;
+  auto kind = begun == begun_.end() ? kind_of(record, outcome, who) : std::nullopt;
   if (begun != begun_.end()) {
     begun_.erase(begun);
   }
@@ -70,13 +72,13 @@ void Journal::done(const CommandRecord& record, const process::Outcome& outcome)
     queue_.post(line_of(ended));
     return;
   }
+  if (repeats_.size() >= kMaxKinds && !repeats_.knows(*kind)) {
+    kind = code;
+    ended.who = code;
+    ended.what = who_text(record) + ',' + ended.what;
+  }
   if (auto line = repeats_.add(*kind, std::move(ended))) {
     queue_.post(*std::move(line));
-  }
-  if (repeats_.size() > kMaxKinds) {
-    for (Entry& line : repeats_.take_all()) {
-      queue_.post(std::move(line));
-    }
   }
   minute_.arm_no_later_than(repeats_.due());
 }

@@ -2,24 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/json/parse.hpp>
-#include <boost/json/serialize.hpp>
 #include <charconv>
 #include <cmath>
 
+#include "bridges/text/json_text.h"
+
 namespace journal {
 namespace {
-
-namespace json = boost::json;
 
 // Bounds a line: whoever gives a command chooses its id.
 constexpr std::size_t kMaxText = 1000;
 // More say nothing about a double.
 constexpr unsigned kMaxDecimals = 17;
-
-bool is_plain(char character) {
-  return character >= ' ' && character <= '~' && character != '"' && character != '\\';
-}
 
 // Decimals: exactly so many; nothing: as few as stand for the number.
 void append_number(std::string& out, double number, std::optional<unsigned> decimals) {
@@ -39,18 +33,7 @@ void append_number(std::string& out, double number, std::optional<unsigned> deci
 }  // namespace
 
 void append_text(std::string& out, std::string_view text) {
-  std::string plain(text.substr(0, kMaxText));
-  if (!std::all_of(plain.begin(), plain.end(), is_plain)) {
-    const std::string quoted = json::serialize(json::string_view(plain.data(), plain.size()));
-    json::error_code failure;
-    (void)json::parse(quoted, failure);
-    if (!failure) {
-      out += quoted;
-      return;
-    }
-    std::replace_if(plain.begin(), plain.end(), [](char each) { return !is_plain(each); }, '?');
-  }
-  out += '"' + plain + '"';
+  text::append_quoted(out, text.substr(0, kMaxText));
 }
 
 void append_value(std::string& out, const config::Signal& signal, canopen::Raw raw) {

@@ -8,7 +8,7 @@
 
 namespace journal {
 
-/// A quoted and escaped JSON string of at most 1000 bytes of `text`. Bytes that are no UTF-8 become question marks.
+/// A quoted and escaped JSON string of at most 1000 bytes of `text`.
 void append_text(std::string& out, std::string_view text);
 /// Engineering units with the decimals of the scale, in digits: `49.97`; `null` for a REAL that is no number.
 void append_value(std::string& out, const config::Signal& signal, canopen::Raw raw);

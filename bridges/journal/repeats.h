@@ -34,6 +34,8 @@ class Repeats {
   [[nodiscard]] std::vector<Entry> take_all();
   /// When the next minute is over; canopen::kNever where none runs.
   [[nodiscard]] canopen::TimePoint due() const noexcept;
+  /// The minute of this kind runs.
+  [[nodiscard]] bool knows(const std::string& kind) const { return kinds_.contains(kind); }
   /// Kinds whose minute runs.
   [[nodiscard]] std::size_t size() const noexcept { return kinds_.size(); }
 

@@ -211,7 +211,9 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::optio
   if (!command) {
     const process::Outcome told =
         drive().refuse(std::move(origin), process::CommandRecord::Kind::nmt,
-                       {.kind = canopen::ErrorKind::type, .detail = "no number of an NMT command"});
+                       {.kind = canopen::ErrorKind::type,
+                        .detail = "register 1020 takes 1, 2, 128, 129 or 130" +
+                                  (number ? ", not " + std::to_string(*number) : std::string())});
     co_return exception_of(told.error());
   }
   const process::Outcome outcome = co_await drive().nmt(std::move(origin), *command);

@@ -16,6 +16,16 @@ namespace {
 constexpr canopen::Duration kCounterStep = std::chrono::milliseconds(100);
 constexpr std::size_t kNodeBitsBegin = 10;
 
+bool writes_stop_register(const Request& request) {
+  const bool written =
+      request.function == Function::write_single_register || request.function == Function::write_multiple_registers;
+  return written && request.write == Range{.address = kStopRegister, .quantity = 1};
+}
+
+bool is_zero(const Request& request) {
+  return request.values[0] == 0 && request.values[1] == 0;
+}
+
 }  // namespace
 
 GatewayUnit::GatewayUnit(process::Plant& plant, config::WordOrder order)
@@ -54,19 +64,24 @@ std::optional<Exception> GatewayUnit::read_bits(Range range, std::span<std::uint
 }
 
 boost::asio::awaitable<std::optional<Exception>> GatewayUnit::write(Request request, process::Origin origin) {
-  const bool written =
-      request.function == Function::write_single_register || request.function == Function::write_multiple_registers;
-  if (!written || request.write != Range{.address = kStopRegister, .quantity = 1}) {
+  if (!writes_stop_register(request)) {
     co_return Exception::illegal_address;
   }
-  if (request.values[0] == 0 && request.values[1] == 0) {
+  if (is_zero(request)) {
     co_return Exception::illegal_value;
   }
-  if (process::commanded_by(plant_, origin.writer) == 0) {
+  const bool commands_none = process::commanded_by(plant_, origin.writer) == 0;
+  const std::vector<process::NotStopped> missed = co_await process::stop_all(plant_, std::move(origin));
+  if (commands_none) {
     co_return Exception::illegal_function;
   }
-  const std::vector<process::NotStopped> missed = co_await process::stop_all(plant_, std::move(origin));
   co_return missed.empty() ? std::nullopt : std::optional(Exception::no_response);
+}
+
+void GatewayUnit::note_refused(const Request& request, const process::Origin& origin, const canopen::Error& why) {
+  if (writes_stop_register(request) && !is_zero(request)) {
+    process::refuse_stop_all(plant_, origin, why);
+  }
 }
 
 std::uint16_t GatewayUnit::general(std::uint16_t address, canopen::TimePoint now) const {

@@ -35,6 +35,8 @@ class GatewayUnit {
 
   /// Nothing: every drive of this writer confirmed its stop. What request.values points to outlives the call.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
+  /// A write that is refused before it is looked at: of a stop for all each drive notes it.
+  void note_refused(const Request& request, const process::Origin& origin, const canopen::Error& why);
 
  private:
   using BusBlock = std::array<std::uint16_t, kBusBlockSize>;

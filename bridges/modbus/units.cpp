@@ -39,7 +39,9 @@ bool Units::is_stop(std::uint8_t unit, const Request& request) const {
 }
 
 void Units::note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why) {
-  if (!is_gateway(unit)) {
+  if (is_gateway(unit)) {
+    gateway_.note_refused(request, origin, why);
+  } else {
     by_id_[unit]->note_refused(request, std::move(origin), std::move(why));
   }
 }

@@ -31,7 +31,7 @@ class Units {
   void sign_of_life(std::uint8_t unit, const process::Writer& writer);
   /// The request stops a drive.
   [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
-  /// A write that is refused before its unit sees it: the drive notes it.
+  /// A write that is refused before its unit sees it: the drive notes it, of a stop for all each.
   void note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why);
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,

@@ -80,7 +80,10 @@ void AlarmTopics::collect(Entry& entry, canopen::TimePoint now, std::vector<Mess
   }
   std::string word = entry.alarm == nullptr ? list() : alarms::alarm_json(*entry.alarm);
   if (entry.kept.offer(word, now)) {
-    out.push_back({.topic = *entry.topic, .payload = std::move(word), .kind = MessageKind::alarm});
+    out.push_back({.topic = *entry.topic,
+                   .payload = std::move(word),
+                   .kind = MessageKind::alarm,
+                   .puts_right = entry.kept.puts_right()});
   }
 }
 

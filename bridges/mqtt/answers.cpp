@@ -3,19 +3,11 @@
 #include "bridges/mqtt/value_text.h"
 #include "bridges/process/answer.h"
 #include "bridges/text/json_text.h"
+#include "canopen/hex.h"
 #include "canopen/object.h"
 
 namespace mqtt {
 namespace {
-
-std::string abort_code(std::uint32_t code) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string text = "0x00000000";
-  for (std::size_t i = text.size(); i > 2; --i, code >>= 4U) {
-    text[i - 1] = kDigits[code & 0xFU];
-  }
-  return text;
-}
 
 // The detail alone where it says all; an abort code and a doubtful outcome are always named.
 std::string text_of(const canopen::Error& error) {
@@ -26,7 +18,7 @@ std::string text_of(const canopen::Error& error) {
 void append_error(text::ObjectText& object, const canopen::Error& error) {
   object.text("code", process::answer_of(error.kind).mqtt_code);
   if (error.abort != 0) {
-    object.text("abort", abort_code(error.abort));
+    object.text("abort", "0x" + canopen::hex(error.abort, 8));
   }
   object.text("error", text_of(error));
 }
@@ -112,16 +104,15 @@ Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& fi
   return answer(to, answer_text(to, duplicate_error(), first));
 }
 
-Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,
-                   canopen::DataType type) {
+Message sdo_answer(const ReplyTo& to, const canopen::Result<canopen::Raw>& read, canopen::DataType type) {
   std::string payload;
   text::ObjectText object(payload);
   append_id(object, to);
-  object.boolean("ok", outcome.has_value());
-  if (outcome.has_error()) {
-    append_error(object, outcome.error());
-  } else if (outcome.value()) {
-    append_raw(object, type, *outcome.value());
+  object.boolean("ok", read.has_value());
+  if (read.has_error()) {
+    append_error(object, read.error());
+  } else {
+    append_raw(object, type, read.value());
   }
   object.close();
   return answer(to, std::move(payload));

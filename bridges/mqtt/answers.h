@@ -34,8 +34,7 @@ struct ReplyTo {
 /// To a repetition: code `duplicate`, with `first` beside it where it is given.
 [[nodiscard]] Message duplicate_answer(const ReplyTo& to, const std::optional<std::string>& first);
 
-/// `{"id":"7","ok":true,"value":0}`; the value of a write is left out. `type` is that of the value.
-[[nodiscard]] Message sdo_answer(const ReplyTo& to, const canopen::Result<std::optional<canopen::Raw>>& outcome,
-                                 canopen::DataType type);
+/// To a read: `{"id":"7","ok":true,"value":0}`. `type` is that of the value.
+[[nodiscard]] Message sdo_answer(const ReplyTo& to, const canopen::Result<canopen::Raw>& read, canopen::DataType type);
 
 }  // namespace mqtt

@@ -1,6 +1,5 @@
 #include "bridges/mqtt/asked.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -41,48 +40,30 @@ Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Par
     case Route::Kind::sdo:
       return asked(sdo_request_of(members));
     case Route::Kind::set_drive:
-      return asked(fields_of(*drive, members));
+      return Asked(fields_of(*drive, members));
     case Route::Kind::set_signal:  // carries one member, `value`
-      return asked(fields_of(*drive, {{std::string(route.signal), members.front().second}}));
+      return Asked(fields_of(*drive, {{std::string(route.signal), members.front().second}}));
     case Route::Kind::alive:
     case Route::Kind::stop_all:
     case Route::Kind::alarm:
     case Route::Kind::status:
+    case Route::Kind::life:
       break;
   }
   return Error{.kind = ErrorKind::unknown, .detail = "nothing is asked for by this topic"};
-}
-
-std::vector<process::FieldWrite> sound_fields_of(const config::Drive& drive, const Route& route, const Parsed& parsed) {
-  std::vector<process::FieldWrite> fields;
-  if (route.kind != Route::Kind::set_drive || parsed.members.has_error()) {
-    return fields;
-  }
-  for (const auto& [name, value] : parsed.members.value()) {
-    const auto signal = drive.find(name);
-    if (!signal) {
-      continue;
-    }
-    const Result<process::FieldWrite> field = field_of(drive, *signal, value);
-    if (field.has_value()) {
-      fields.push_back(field.value());
-    }
-  }
-  return fields;
 }
 
 bool asks_to_read(const Route& route, const Parsed& parsed) {
   if (route.kind != Route::Kind::sdo || parsed.members.has_error()) {
     return false;
   }
-  return std::ranges::any_of(parsed.members.value(), [](const auto& member) {
-    return member.first == "op" && member.second == Scalar{Scalar::Kind::string, "read"};
-  });
+  const std::string* const op = find_string(parsed.members.value(), "op");
+  return op != nullptr && *op == "read";
 }
 
 std::vector<process::FieldWrite> written_by(const config::Drive& drive, const Asked& asked) {
-  if (const auto* fields = std::get_if<std::vector<process::FieldWrite>>(&asked)) {
-    return *fields;
+  if (const auto* fields = std::get_if<Fields>(&asked)) {
+    return fields->sound;
   }
   const auto* request = std::get_if<SdoRequest>(&asked);
   if (request != nullptr && request->value) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <variant>
 #include <vector>
 
@@ -16,14 +15,11 @@ namespace mqtt {
 struct StopAll {};
 
 /// What a command asks for, as far as topic, payload and configuration say.
-using Asked = std::variant<StopAll, std::vector<process::FieldWrite>, canopen::NmtCommand, SdoRequest>;
+using Asked = std::variant<StopAll, Fields, canopen::NmtCommand, SdoRequest>;
 
-/// `drive` null: there is none of that name. `unknown`, `type`, `read_only`, and what command.h says.
+/// `drive` null: there is none of that name. `unknown`, `type`, `read_only`, and what command.h says; a mistake in one
+/// of several fields stands in Fields.
 [[nodiscard]] canopen::Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Parsed& parsed);
-
-/// Of a `set` with a mistake, what there is no mistake in: a stop is one, whatever stands beside it.
-[[nodiscard]] std::vector<process::FieldWrite> sound_fields_of(const config::Drive& drive, const Route& route,
-                                                               const Parsed& parsed);
 
 /// Asks for a value and changes nothing, whatever else is wrong with it.
 [[nodiscard]] bool asks_to_read(const Route& route, const Parsed& parsed);

@@ -20,7 +20,8 @@ constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
 }  // namespace
 
 Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, const config::Mqtt& settings,
-               const config::Gateway& gateway, std::string version, std::unique_ptr<Broker> broker, Notice notice)
+               const config::Gateway& gateway, std::string version, std::string instance,
+               std::unique_ptr<Broker> broker, Notice notice)
     : plant_(plant),
       version_(std::move(version)),
       broker_(std::move(broker)),
@@ -31,6 +32,12 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       alarms_(plant, topics_),
       status_(topics_.status(), settings, true),
       health_(topics_.health(), settings),
+      leftovers_(plant.model(), settings, topics_),
+      other_(std::move(instance), settings, notice_,
+             [this] {
+               plant_.set_other_gateway(other_.lives());
+               health_may_differ();
+             }),
       next_(kNever),
       executor_(std::move(executor)),
       timer_(executor_),
@@ -128,77 +135,10 @@ void Bridge::on_bus_alarm(std::size_t bus) {
   }
 }
 
-void Bridge::on_connected(const Connected& connection) {
-  if (stopping_) {
-    return;  // the last words are said
-  }
-  connection_ = connection;
-  session_.connected(connection.id, canopen::Clock::now());
-  wake(session_.deadline());
-}
-
-void Bridge::on_disconnected(const std::string& why) {
-  connection_.reset();
-  last_break_ = why;
-  session_.lost();
-  follow_session();
-}
-
-void Bridge::on_subscribed(const Subscribed& subscribed) {
-  if (stopping_) {
-    return;
-  }
-  if (session_.ready() && !subscribed.refused) {
-    tell_again();  // what others wrote meanwhile was not heard
-  }
-  session_.subscribed(subscribed, canopen::Clock::now());
-  wake(session_.deadline());
-  follow_session();
-  health_may_differ();
-}
-
-void Bridge::on_message(Incoming message) {
-  const auto route = topics_.route(message.topic);
-  if (!route) {
-    return;
-  }
-  if (route->kind == Route::Kind::alarm) {
-    wake(alarms_.received(message, canopen::Clock::now()));
-  } else if (route->kind == Route::Kind::status) {
-    status_received(message, *route);
-  } else {
-    requests_.handle(message, *route);
-  }
-}
-
-void Bridge::status_received(const Incoming& message, const Route& route) {
-  if (message.retained) {
-    return;  // the broker kept it from before it was subscribed to (MQTT 3.1.1): older than all that we said since
-  }
-  const canopen::TimePoint now = canopen::Clock::now();
-  if (route.drive.empty()) {
-    wake(status_.received(message.payload, now));
-  } else if (const process::Drive* drive = plant_.find(route.drive)) {
-    wake(feeds_[drive->index()].status_received(message.payload, now));
-  }
-}
-
 void Bridge::health_may_differ() {
   if (session_.ready()) {
     wake(health_.mark(canopen::Clock::now()));
   }
-}
-
-process::BrokerHealth Bridge::broker_health() const {
-  process::BrokerHealth health{.refused = session_.refused(), .last_break = last_break_};
-  if (connection_) {
-    health.broker = connection_->broker;
-    health.protocol = connection_->version == 5 ? "5" : "3.1.1";
-  }
-  const BrokerCounts counts = broker_->counts();
-  health.messages_dropped = counts.messages_dropped;
-  health.answers_dropped = counts.answers_dropped;
-  return health;
 }
 
 boost::asio::awaitable<void> Bridge::run() {
@@ -214,6 +154,7 @@ boost::asio::awaitable<void> Bridge::run() {
 canopen::TimePoint Bridge::turn() {
   const canopen::TimePoint now = canopen::Clock::now();
   session_.tick(now);
+  other_.tick(now);
   follow_session();
   if (session_.ready()) {
     collect(now);
@@ -221,31 +162,29 @@ canopen::TimePoint Bridge::turn() {
     next_ = kNever;
   }
   if (!batch_.empty() && !stopping_) {
-    broker_->publish(std::exchange(batch_, {}));
+    send_batch();
   }
-  return std::min(next_, session_.deadline());
+  return std::min({next_, session_.deadline(), other_.next()});
 }
 
 void Bridge::announce() {
-  batch_.push_back({.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_)});
+  batch_.push_back(
+      {.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_, other_.instance())});
   for (Feed& feed : feeds_) {
     feed.mark_all();
   }
   alarms_.mark_all();
   health_.forget();
   status_.forget();
+  leftovers_.announced(canopen::Clock::now());
   collect(canopen::Clock::now());
-  broker_->publish(std::exchange(batch_, {}));
+  send_batch();
   broker_->open(session_.connection());
 }
 
-void Bridge::tell_again() {
-  alarms_.mark_all();
-  status_.forget();
-  for (Feed& feed : feeds_) {
-    feed.forget_status();
-  }
-  wake(canopen::Clock::now());
+void Bridge::send_batch() {
+  put_right_.note(batch_, canopen::Clock::now(), notice_);
+  broker_->publish(std::exchange(batch_, {}));
 }
 
 void Bridge::collect(canopen::TimePoint now) {
@@ -255,6 +194,7 @@ void Bridge::collect(canopen::TimePoint now) {
   }
   if (health_.next() <= now) {
     process::Health health = process::health_of(plant_);
+    health.instance = other_.instance();
     health.broker = broker_health();
     if (program_health_) {
       health.program = program_health_();
@@ -262,7 +202,8 @@ void Bridge::collect(canopen::TimePoint now) {
     health_.collect(std::move(health), now, batch_);
   }
   status_.collect(true, now, batch_);  // last: it says that all else is there
-  next_ = std::min({next_, health_.next(), status_.next()});
+  leftovers_.collect(other_.lives(), now, batch_, notice_);
+  next_ = std::min({next_, health_.next(), status_.next(), leftovers_.next()});
 }
 
 void Bridge::follow_session() {
@@ -271,6 +212,7 @@ void Bridge::follow_session() {
   }
   was_connected_ = session_.ready();
   if (was_connected_) {
+    other_.listening(canopen::Clock::now());
     announce();
   }
   wake(canopen::Clock::now());

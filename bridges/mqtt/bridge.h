@@ -14,7 +14,10 @@
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/feed.h"
 #include "bridges/mqtt/health_topic.h"
+#include "bridges/mqtt/leftovers.h"
 #include "bridges/mqtt/notice.h"
+#include "bridges/mqtt/other_gateway.h"
+#include "bridges/mqtt/put_right.h"
 #include "bridges/mqtt/requests.h"
 #include "bridges/mqtt/session.h"
 #include "bridges/mqtt/status_topic.h"
@@ -32,9 +35,10 @@ namespace mqtt {
 class Bridge final : public process::Observer, private BrokerEvents {
  public:
   /// To be added to the plant's observers before Plant::start(). The plant and `settings` outlive it. `version` is
-  /// shown in `B/info`.
+  /// shown in `B/info`; `instance` too, it is new at each start of the program.
   Bridge(boost::asio::any_io_executor executor, process::Plant& plant, const config::Mqtt& settings,
-         const config::Gateway& gateway, std::string version, std::unique_ptr<Broker> broker, Notice notice);
+         const config::Gateway& gateway, std::string version, std::string instance, std::unique_ptr<Broker> broker,
+         Notice notice);
   ~Bridge();
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
@@ -68,6 +72,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
 
  private:
   void on_connected(const Connected& connection) override;
+  void on_taken_over() override;
   void on_disconnected(const std::string& why) override;
   void on_subscribed(const Subscribed& subscribed) override;
   void on_message(Incoming message) override;
@@ -80,6 +85,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   /// The topics that are put right where others write there are due whatever they say.
   void tell_again();
   void collect(canopen::TimePoint now);
+  void send_batch();
   /// Somebody published on the topic of a status.
   void status_received(const Incoming& message, const Route& route);
   void health_may_differ();
@@ -97,6 +103,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   AlarmTopics alarms_;
   StatusTopic status_;
   HealthTopic health_;
+  Leftovers leftovers_;
+  OtherGateway other_;
+  PutRightTally put_right_;
   std::vector<Feed> feeds_;     ///< By drive.
   std::vector<Message> batch_;  ///< Of this turn.
   canopen::TimePoint next_;     ///< When something of the alarms or feeds is due.

@@ -38,14 +38,20 @@ struct Subscription {
   /// Topics that we publish on: what others write there from now on. With MQTT 3.1.1, which has no such choice, what is
   /// retained and our own messages come too.
   bool watched = false;
+  /// Of a watched one: what is retained comes too, and is said to be.
+  bool kept = false;
   /// Of a watched one: our own messages too, also with MQTT 5, for a will of our last connection counts as one of them.
   bool own_too = false;
+  /// Much may come at once, and of each topic only the newest counts: it costs no command its place.
+  bool bulk = false;
 };
 
 /// What a broker tells, on the loop, in the order in which it happened; and what it asks.
 class BrokerEvents {
  public:
   virtual void on_connected(const Connected& connection) = 0;
+  /// on_disconnected() follows: another client connected with our client id.
+  virtual void on_taken_over() {}
   /// `why` in words, with what the broker said by name.
   virtual void on_disconnected(const std::string& why) = 0;
   /// The answer to one of the subscriptions of subscribe(). None comes where the connection goes first.
@@ -67,11 +73,18 @@ class Broker {
   /// `events` outlives the broker's stop().
   virtual void start(BrokerEvents& events) = 0;
   virtual void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) = 0;
+  /// Ends subscriptions. What is on its way still comes; no answer does.
+  virtual void unsubscribe(ConnectionId connection, std::vector<std::string> filters) = 0;
   /// Keeps the messages until they can leave, of each retained topic the newest. What is retained is lost with the
   /// connection: the next one begins with everything.
   virtual void publish(std::vector<Message> batch) = 0;
   /// What was published may leave on this connection. Each new connection begins closed.
   virtual void open(ConnectionId connection) = 0;
+  /// Ends the connection from this side: the will is published, for nobody is there until the next one, and the broker
+  /// is told. on_disconnected(why) follows, and the next attempt after its pause.
+  virtual void drop(ConnectionId connection, std::string why) = 0;
+  /// Another client may have our client id: the attempt after this connection waits as after a take-over.
+  virtual void suspect_takeover(ConnectionId connection) = 0;
   [[nodiscard]] virtual BrokerCounts counts() const = 0;
   /// False: the thread that serves the broker, or what it calls, stands still.
   [[nodiscard]] virtual bool alive() const = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -20,20 +21,20 @@ constexpr int kWindow = static_cast<int>(BrokerLimits{}.window);
 constexpr int kPahoBuffer = kWindow * 2;
 // Longest message we take, in bytes (MQTT 5 only): the broker drops longer ones.
 constexpr std::int32_t kMaxIncoming = 128 * 1024;
-// For as long a broker says nothing of a connection that broke, since the next one is there by then; a session that
-// ends earlier would let it speak at once (MQTT 5 §3.1.2.5).
-constexpr std::uint32_t kWillDelay = 5;
-constexpr std::uint32_t kSessionExpiry = 10;
 // Of a SUBACK that says nothing.
 constexpr int kUnspecified = 0x80;
+
+std::int32_t seconds_of(std::chrono::seconds duration) {
+  return static_cast<std::int32_t>(duration.count());
+}
 
 connect_options options_of(const ClientSettings& settings) {
   connect_options options;
   options.set_mqtt_version(settings.version);
   if (settings.version >= MQTTVERSION_5) {
     options.set_clean_start(true);
-    options.set_properties(
-        {{property::SESSION_EXPIRY_INTERVAL, kSessionExpiry}, {property::MAXIMUM_PACKET_SIZE, kMaxIncoming}});
+    options.set_properties({{property::SESSION_EXPIRY_INTERVAL, seconds_of(settings.session_expiry)},
+                            {property::MAXIMUM_PACKET_SIZE, kMaxIncoming}});
   } else {
     options.set_clean_session(true);
   }
@@ -47,7 +48,7 @@ connect_options options_of(const ClientSettings& settings) {
   }
   will_options will(settings.will_topic, settings.will_payload, settings.qos, true);
   if (settings.version >= MQTTVERSION_5) {
-    will.set_properties({{property::WILL_DELAY_INTERVAL, kWillDelay}});
+    will.set_properties({{property::WILL_DELAY_INTERVAL, seconds_of(settings.will_delay)}});
   }
   options.set_will(std::move(will));
   return options;
@@ -57,7 +58,8 @@ subscribe_options options_of(const Subscription& subscription) {
   if (subscription.watched) {
     return subscribe_options(
         subscription.own_too ? subscribe_options::SUBSCRIBE_LOCAL : subscribe_options::SUBSCRIBE_NO_LOCAL,
-        subscribe_options::NO_RETAIN_AS_PUBLISHED, subscribe_options::DONT_SEND_RETAINED);
+        subscribe_options::NO_RETAIN_AS_PUBLISHED,
+        subscription.kept ? subscribe_options::SEND_RETAINED_ON_SUBSCRIBE : subscribe_options::DONT_SEND_RETAINED);
   }
   return subscribe_options(subscribe_options::SUBSCRIBE_LOCAL, subscribe_options::RETAIN_AS_PUBLISHED);
 }
@@ -114,28 +116,19 @@ Incoming incoming_of(const message& received) {
   return incoming;
 }
 
-// Bytes of a length (Variable Byte Integer, MQTT 5 §1.5.5).
-std::size_t length_of_length(std::size_t length) {
-  std::size_t bytes = 1;
-  for (; length >= 0x80; length >>= 7U) {
-    ++bytes;
-  }
-  return bytes;
-}
+class Listener final : public iaction_listener {
+ public:
+  using Call = std::function<void(const token&)>;
+  Listener(Call succeeded, Call failed) : succeeded_(std::move(succeeded)), failed_(std::move(failed)) {}
+  void on_success(const token& done) override { succeeded_(done); }
+  void on_failure(const token& done) override { failed_(done); }
+
+ private:
+  Call succeeded_;
+  Call failed_;
+};
 
 }  // namespace
-
-std::size_t packet_size(const Message& message, int version, int qos) {
-  constexpr std::size_t kExpiry = 5;
-  constexpr std::size_t kCorrelation = 3;
-  std::size_t rest = 2 + message.topic.size() + (qos > 0 ? 2U : 0U) + message.payload.size();
-  if (version >= MQTTVERSION_5) {
-    const std::size_t given =
-        (message.expiry != 0 ? kExpiry : 0) + (message.correlation ? kCorrelation + message.correlation->size() : 0);
-    rest += length_of_length(given) + given;
-  }
-  return 1 + length_of_length(rest) + rest;
-}
 
 class Client::Body final : private callback {
  public:
@@ -143,8 +136,7 @@ class Client::Body final : private callback {
       : events_(events),
         settings_(settings),
         client_(settings_.uri, settings_.client_id, creation_of(settings_), &shelf_) {
-    client_.set_callback(*this);
-    // Paho tells of a DISCONNECT here and nowhere else.
+    client_.set_callback(*this);  // which Paho does not tell of a DISCONNECT
     client_.set_disconnected_handler(
         [this](const properties&, ReasonCode code) { events_.on_down(static_cast<int>(code)); });
   }
@@ -173,6 +165,8 @@ class Client::Body final : private callback {
     client_.subscribe(subscription.filter, subscription.qos, nullptr, subscribing_,
                       settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
   }
+
+  void unsubscribe(const std::string& filter) { client_.unsubscribe(filter); }
 
   void disconnect(std::chrono::milliseconds patience, bool say_will) {
     if (say_will) {
@@ -224,9 +218,19 @@ class Client::Body final : private callback {
     events_.on_subscribed(std::move(subscribed));
   }
 
-  void was_sent(const token& done, Delivery delivery) {
-    events_.on_sent(static_cast<const Message*>(done.get_user_context()), delivery,
-                    static_cast<int>(done.get_reason_code()));
+  void was_not_granted(const token& done) {
+    // The connection went before the answer: with MQTT 3.1.1 Paho says so before it tells of the loss.
+    if (done.get_return_code() != MQTTASYNC_OPERATION_INCOMPLETE) {
+      const int code = static_cast<int>(done.get_reason_code());
+      was_answered(done, is_failure(code) ? code : kUnspecified);
+    }
+  }
+
+  void was_sent(const token& done, bool acknowledged) {
+    const int code = static_cast<int>(done.get_reason_code());
+    const Delivery otherwise = is_failure(code) ? Delivery::refused : Delivery::failed;
+    events_.on_sent(static_cast<const Message*>(done.get_user_context()), acknowledged ? Delivery::done : otherwise,
+                    code);
   }
 
   void was_refused(const token& done) {
@@ -235,33 +239,11 @@ class Client::Body final : private callback {
 
   ClientEvents& events_;
   ClientSettings settings_;
-  struct Connecting final : iaction_listener {
-    explicit Connecting(Body& to_body) : body(to_body) {}
-    void on_success(const token& done) override { body.came_up(done); }
-    void on_failure(const token& done) override { body.was_refused(done); }
-    Body& body;
-  } connecting_{*this};
-  struct Publishing final : iaction_listener {
-    explicit Publishing(Body& to_body) : body(to_body) {}
-    void on_success(const token& done) override { body.was_sent(done, Delivery::done); }
-    void on_failure(const token& done) override {
-      const bool refused = is_failure(static_cast<int>(done.get_reason_code()));
-      body.was_sent(done, refused ? Delivery::refused : Delivery::failed);
-    }
-    Body& body;
-  } publishing_{*this};
-  struct Subscribing final : iaction_listener {
-    explicit Subscribing(Body& to_body) : body(to_body) {}
-    void on_success(const token& done) override { body.was_granted(done); }
-    void on_failure(const token& done) override {
-      if (done.get_return_code() == MQTTASYNC_OPERATION_INCOMPLETE) {
-        return;  // the connection went before the answer; with MQTT 3.1.1 Paho says so before it tells of the loss
-      }
-      const int code = static_cast<int>(done.get_reason_code());
-      body.was_answered(done, is_failure(code) ? code : kUnspecified);
-    }
-    Body& body;
-  } subscribing_{*this};
+  Listener connecting_{[this](const token& done) { came_up(done); }, [this](const token& done) { was_refused(done); }};
+  Listener publishing_{[this](const token& done) { was_sent(done, true); },
+                       [this](const token& done) { was_sent(done, false); }};
+  Listener subscribing_{[this](const token& done) { was_granted(done); },
+                        [this](const token& done) { was_not_granted(done); }};
   Shelf shelf_;
   async_client client_;  ///< The last member: gone before what it calls.
 };
@@ -305,6 +287,10 @@ Client::Sent Client::publish(const Message& message) {
 
 bool Client::subscribe(const Subscription& subscription) {
   return succeeds([&] { body_->subscribe(subscription); });
+}
+
+bool Client::unsubscribe(const std::string& filter) {
+  return succeeds([&] { body_->unsubscribe(filter); });
 }
 
 void Client::disconnect(std::chrono::milliseconds patience, bool say_will) {

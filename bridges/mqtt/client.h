@@ -23,6 +23,10 @@ struct ClientSettings {
   int qos = 1;
   std::chrono::seconds keep_alive{10};
   std::chrono::seconds connect_timeout{5};
+  /// MQTT 5: for as long a broker says nothing of a connection that broke, since the next one is there by then.
+  std::chrono::seconds will_delay{5};
+  /// MQTT 5: a session that ends earlier would let it speak at once (§3.1.2.5).
+  std::chrono::seconds session_expiry{10};
 };
 
 /// What the broker takes.
@@ -62,9 +66,6 @@ class ClientEvents {
   ~ClientEvents() = default;
 };
 
-/// Bytes of the PUBLISH that carries the message (MQTT 5 §3.3, 3.1.1 §3.3).
-[[nodiscard]] std::size_t packet_size(const Message& message, int version, int qos);
-
 /// One attempt to connect and, where it succeeds, that connection: a Paho client of its own, without Paho's reconnect,
 /// buffer or broker list, and with nothing on disk. Calls may block for moments; all are made by one thread, holding no
 /// lock that the events take. Nothing throws. No event comes after the destructor: Paho calls under the lock that it
@@ -88,6 +89,7 @@ class Client {
   /// on_sent() names the message by its address.
   [[nodiscard]] Sent publish(const Message& message);
   [[nodiscard]] bool subscribe(const Subscription& subscription);
+  [[nodiscard]] bool unsubscribe(const std::string& filter);
   /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
   /// for it, and never leaves without a goodbye).
   void disconnect(std::chrono::milliseconds patience, bool say_will);

@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "bridges/mqtt/number_text.h"
-#include "bridges/mqtt/value_text.h"
-#include "bridges/text/json_text.h"
 
 namespace mqtt {
 namespace {
@@ -39,26 +37,18 @@ Scalar plain_scalar(std::string_view text) {
   return {numeric ? Scalar::Kind::number : Scalar::Kind::string, std::string(text)};
 }
 
-const Scalar* find(const FlatObject& members, std::string_view name) {
-  const auto member =
-      std::find_if(members.begin(), members.end(), [name](const auto& entry) { return entry.first == name; });
-  return member == members.end() ? nullptr : &member->second;
-}
-
 // Moves the id out of the members.
 void take_id(Parsed& parsed) {
   FlatObject& members = parsed.members.value();
-  const auto id = std::find_if(members.begin(), members.end(), [](const auto& entry) { return entry.first == "id"; });
+  const auto id = std::ranges::find(members, "id", &FlatObject::value_type::first);
   if (id == members.end()) {
     return;
   }
-  const Scalar value = id->second;
+  const Scalar value = std::move(id->second);
   members.erase(id);
-  parsed.id_text = value.text;
-  if (value.kind == Scalar::Kind::number) {
-    parsed.id = value.text;
-  } else if (value.kind == Scalar::Kind::string) {
-    text::append_quoted(parsed.id, value.text);
+  if (const auto echoed = echoed_id(value)) {
+    parsed.id = *echoed;
+    parsed.id_text = value.text;
   } else {
     parsed.members = type_error("\"id\" is to be a string or a number");
   }
@@ -94,26 +84,6 @@ Result<Raw> named_raw(const config::Signal& signal, const std::string& name) {
   return type_error(signal.name + ": \"" + name.substr(0, 64) + "\" is none of " + known);
 }
 
-bool is_boolean(const config::Signal& signal) {
-  return signal.derived.has_value() || signal.type == canopen::DataType::boolean;
-}
-
-Result<process::GivenValue> number_for(const config::Signal& signal, const std::string& text) {
-  if (signal.scale == 1.0) {
-    if (const auto exact = exact_integer(signal.type, text)) {
-      if (exact->has_error()) {
-        return exact->error();
-      }
-      return process::GivenValue(exact->value());
-    }
-  }
-  const Result<double> number = number_of(text);
-  if (number.has_error()) {
-    return number.error();
-  }
-  return process::GivenValue(number.value());
-}
-
 Result<Raw> raw_of(canopen::DataType type, const Scalar& value) {
   if (value.kind == Scalar::Kind::boolean && type == canopen::DataType::boolean) {
     return Raw{value.text == "true" ? 1U : 0U};
@@ -121,14 +91,14 @@ Result<Raw> raw_of(canopen::DataType type, const Scalar& value) {
   if (value.kind != Scalar::Kind::number) {
     return type_error("\"value\" is not a value of type " + std::string(canopen::name_of(type)));
   }
-  if (const auto exact = exact_integer(type, value.text)) {
-    return *exact;
-  }
-  const Result<double> number = number_of(value.text);
+  const Result<process::GivenValue> number = number_in(type, value.text);
   if (number.has_error()) {
     return number.error();
   }
-  const auto raw = canopen::from_number(type, number.value());
+  if (const Raw* exact = std::get_if<Raw>(&number.value())) {
+    return *exact;
+  }
+  const auto raw = canopen::from_number(type, std::get<double>(number.value()));
   if (!raw) {
     return Error{.kind = ErrorKind::range,
                  .detail = value.text + " is out of the range of " + std::string(canopen::name_of(type))};
@@ -136,23 +106,11 @@ Result<Raw> raw_of(canopen::DataType type, const Scalar& value) {
   return *raw;
 }
 
-// A member that has to be a string.
-Result<std::string> string_member(const FlatObject& members, std::string_view name) {
-  const Scalar* value = find(members, name);
-  if (value == nullptr || value->kind != Scalar::Kind::string) {
-    return type_error(std::string("\"").append(name).append("\" is to be a string"));
-  }
-  return value->text;
-}
-
 }  // namespace
 
 Parsed parse_value(std::string_view payload) {
   const std::string_view text = trimmed(payload);
-  if (!text.starts_with('{')) {
-    if (payload.size() > kMaxCommand) {
-      return {{}, type_error("the payload is longer than " + std::to_string(kMaxCommand) + " bytes")};
-    }
+  if (!text.starts_with('{') && payload.size() <= kMaxCommand) {
     return {{}, FlatObject{{"value", plain_scalar(text)}}};
   }
   Parsed parsed = parse_object_payload(payload);
@@ -188,21 +146,19 @@ Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t pos
     case Scalar::Kind::null:
       return type_error(signal.name + ": null is no value");
     case Scalar::Kind::boolean:
-      if (!is_boolean(signal)) {
+      if (!signal.derived && signal.type != canopen::DataType::boolean) {
         return type_error(signal.name + ": " + value.text + " is not a number");
       }
       return process::FieldWrite{id, Raw{value.text == "true" ? 1U : 0U}};
     case Scalar::Kind::string: {
       const Result<Raw> raw = named_raw(signal, value.text);
-      if (raw.has_error()) {
-        return raw.error();
-      }
-      return process::FieldWrite{id, raw.value()};
+      return raw.has_value() ? Result<process::FieldWrite>(process::FieldWrite{id, raw.value()}) : raw.error();
     }
     case Scalar::Kind::number:
       break;
   }
-  Result<process::GivenValue> number = number_for(signal, value.text);
+  // Only of a signal without a scale a raw value is what is meant.
+  const auto number = number_in(signal.scale == 1.0 ? signal.type : canopen::DataType::f64, value.text);
   if (number.has_error()) {
     Error error = number.error();
     error.detail = signal.name + ": " + error.detail;
@@ -211,28 +167,28 @@ Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t pos
   return process::FieldWrite{id, number.value()};
 }
 
-Result<std::vector<process::FieldWrite>> fields_of(const config::Drive& drive, const FlatObject& members) {
+Fields fields_of(const config::Drive& drive, const FlatObject& members) {
+  Fields fields;
   if (members.empty()) {
-    return type_error("no signal is named");
+    fields.mistake = type_error("no signal is named");
   }
-  std::vector<process::FieldWrite> fields;
   for (const auto& [name, value] : members) {
     const auto signal = drive.find(name);
-    if (!signal) {
-      return Error{.kind = ErrorKind::unknown, .detail = drive.name + " has no signal \"" + name + "\""};
+    const Result<process::FieldWrite> field =
+        signal ? field_of(drive, *signal, value)
+               : Error{.kind = ErrorKind::unknown, .detail = drive.name + " has no signal \"" + name + "\""};
+    if (field.has_value()) {
+      fields.sound.push_back(field.value());
+    } else if (!fields.mistake) {
+      fields.mistake = field.error();
     }
-    Result<process::FieldWrite> field = field_of(drive, *signal, value);
-    if (field.has_error()) {
-      return field.error();
-    }
-    fields.push_back(field.value());
   }
   return fields;
 }
 
 Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members) {
-  const Result<std::string> name = string_member(members, "value");
-  const auto command = name.has_value() ? canopen::parse_nmt_command(name.value()) : std::nullopt;
+  const std::string* const name = find_string(members, "value");
+  const auto command = name != nullptr ? canopen::parse_nmt_command(*name) : std::nullopt;
   if (!command) {
     return Error{.kind = ErrorKind::unknown,
                  .detail =
@@ -246,26 +202,26 @@ Result<SdoRequest> sdo_request_of(const FlatObject& members) {
   if (const auto unknown = unknown_member(members, {"op", "object", "type", "value"})) {
     return *unknown;
   }
-  const Result<std::string> op = string_member(members, "op");
-  if (op.has_error()) {
-    return op.error();
+  const std::string* const op = find_string(members, "op");
+  if (op == nullptr) {
+    return type_error("\"op\" is to be a string");
   }
-  if (op.value() != "read" && op.value() != "write") {
+  if (*op != "read" && *op != "write") {
     return Error{.kind = ErrorKind::unknown, .detail = "\"op\" is to be \"read\" or \"write\""};
   }
-  const Result<std::string> object = string_member(members, "object");
-  const auto address = object.has_value() ? canopen::parse_object(object.value()) : std::nullopt;
+  const std::string* const object = find_string(members, "object");
+  const auto address = object != nullptr ? canopen::parse_object(*object) : std::nullopt;
   if (!address) {
     return type_error("\"object\" is to be an address like \"0x2002:03\"");
   }
-  const Result<std::string> type = string_member(members, "type");
-  const auto data_type = type.has_value() ? canopen::parse_type(type.value()) : std::nullopt;
+  const std::string* const type = find_string(members, "type");
+  const auto data_type = type != nullptr ? canopen::parse_type(*type) : std::nullopt;
   if (!data_type) {
     return type_error("\"type\" is to be one of bool, u8, u16, u32, u64, i8, i16, i32, i64, f32, f64");
   }
   SdoRequest request{*address, *data_type, std::nullopt};
-  const Scalar* value = find(members, "value");
-  if (op.value() == "read") {
+  const Scalar* const value = find_member(members, "value");
+  if (*op == "read") {
     return value == nullptr ? Result<SdoRequest>(request) : type_error("a read has no \"value\"");
   }
   if (value == nullptr) {

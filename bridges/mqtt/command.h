@@ -32,9 +32,13 @@ struct Parsed {
 /// `read_only`, `type` and, for what a 64-bit type cannot hold, `range`.
 [[nodiscard]] canopen::Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t signal,
                                                             const Scalar& value);
-/// Every member is a signal of the drive; at least one.
-[[nodiscard]] canopen::Result<std::vector<process::FieldWrite>> fields_of(const config::Drive& drive,
-                                                                          const FlatObject& members);
+/// What several members write.
+struct Fields {
+  std::vector<process::FieldWrite> sound{};  ///< In their order.
+  std::optional<canopen::Error> mistake{};   ///< The first; what is sound may be a stop all the same.
+};
+/// Every member is to be a signal of the drive; at least one.
+[[nodiscard]] Fields fields_of(const config::Drive& drive, const FlatObject& members);
 
 [[nodiscard]] canopen::Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members);
 

@@ -20,4 +20,11 @@ namespace mqtt {
                                                       : std::min(settings.max_interval, settings.expiry / 3);
 }
 
+/// A gateway of which nothing was heard for so long is gone. What lives for ever says nothing; three intervals do then.
+[[nodiscard]] constexpr canopen::Duration lifetime(const config::Mqtt& settings) noexcept {
+  return settings.expiry == canopen::Duration::zero()
+             ? std::max<canopen::Duration>(std::chrono::seconds(180), 3 * settings.max_interval)
+             : settings.expiry;
+}
+
 }  // namespace mqtt

@@ -70,7 +70,7 @@ canopen::TimePoint Feed::collect(canopen::TimePoint now, std::vector<Message>& o
 
 void Feed::collect_last(std::vector<Message>& out) const {
   if (settings_.state) {
-    out.push_back({.topic = topics_.state, .payload = farewell_state_json(drive_, pace_)});
+    out.push_back({.topic = topics_.state, .payload = state_json(drive_, pace_, std::nullopt)});
   }
   for (std::size_t i = 0; settings_.signals && i < topics_.signals.size(); ++i) {
     if (config::readable(drive_.model().signals[i].access)) {

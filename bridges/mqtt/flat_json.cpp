@@ -4,6 +4,8 @@
 #include <boost/json/basic_parser_impl.hpp>
 #include <limits>
 
+#include "bridges/text/json_text.h"
+
 namespace mqtt {
 namespace {
 
@@ -50,9 +52,7 @@ class FlatHandler {
   bool on_key_part(json::string_view part, std::size_t, json::error_code&) { return gather(part); }
   bool on_key(json::string_view part, std::size_t, json::error_code& failure) {
     std::string name = take(part);
-    const bool known =
-        std::any_of(open_->begin(), open_->end(), [&name](const auto& member) { return member.first == name; });
-    if (known || (open_ == &read_.members && read_.inner && name == inner_)) {
+    if (find_member(*open_, name) != nullptr || (open_ == &read_.members && read_.inner && name == inner_)) {
       return refuse(failure, "\"" + name + "\" twice");
     }
     open_->emplace_back(std::move(name), Scalar{});
@@ -110,6 +110,28 @@ class FlatHandler {
 };
 
 }  // namespace
+
+const Scalar* find_member(const FlatObject& members, std::string_view name) {
+  const auto found = std::ranges::find(members, name, &FlatObject::value_type::first);
+  return found == members.end() ? nullptr : &found->second;
+}
+
+const std::string* find_string(const FlatObject& members, std::string_view name) {
+  const Scalar* value = find_member(members, name);
+  return value != nullptr && value->kind == Scalar::Kind::string ? &value->text : nullptr;
+}
+
+std::optional<std::string> echoed_id(const Scalar& id) {
+  if (id.kind == Scalar::Kind::number) {
+    return id.text;
+  }
+  if (id.kind != Scalar::Kind::string) {
+    return std::nullopt;
+  }
+  std::string quoted;
+  text::append_quoted(quoted, id.text);
+  return quoted;
+}
 
 canopen::Result<NestedObject> parse_nested(std::string_view text, std::string_view inner) {
   json::basic_parser<FlatHandler> parser{json::parse_options{}, inner};

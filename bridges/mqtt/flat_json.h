@@ -22,6 +22,13 @@ struct Scalar {
 /// Members in the order in which they stand.
 using FlatObject = std::vector<std::pair<std::string, Scalar>>;
 
+/// The value of this member; null: there is none.
+[[nodiscard]] const Scalar* find_member(const FlatObject& members, std::string_view name);
+/// Its characters, where it is there and a string; else null.
+[[nodiscard]] const std::string* find_string(const FlatObject& members, std::string_view name);
+/// An id as it is echoed, as JSON text; nothing where it is neither a string nor a number.
+[[nodiscard]] std::optional<std::string> echoed_id(const Scalar& id);
+
 /// Reads a JSON object whose members are single values. Refused as `type`, with the position: text that is no JSON,
 /// anything but an object, nested objects and lists, a name given twice.
 [[nodiscard]] canopen::Result<FlatObject> parse_flat(std::string_view text);

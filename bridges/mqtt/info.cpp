@@ -1,5 +1,8 @@
 #include "bridges/mqtt/info.h"
 
+#include <optional>
+#include <ranges>
+
 #include "bridges/text/json_text.h"
 #include "canopen/object.h"
 
@@ -30,16 +33,8 @@ void append_signal(std::string& out, const config::Signal& signal, const std::st
   object.number("min", signal.min);
   object.number("max", signal.max);
   append_names(object, signal);
-  if (config::readable(signal.access)) {
-    object.text("topic", topic);
-  } else {
-    object.null("topic");
-  }
-  if (config::writable(signal.access)) {
-    object.text("set", topic + "/set");
-  } else {
-    object.null("set");
-  }
+  object.text("topic", config::readable(signal.access) ? std::optional(topic) : std::nullopt);
+  object.text("set", config::writable(signal.access) ? std::optional(topic + "/set") : std::nullopt);
   if (signal.unconfirmed) {
     object.boolean("unconfirmed", true);  // the profile could not establish its meaning or scale
   }
@@ -52,20 +47,11 @@ void append_drive(std::string& out, const config::Model& model, const config::Dr
   object.text("bus", model.buses.at(drive.bus).name);
   object.integer("node", drive.node.node);
   object.text("profile", drive.profile);
-  if (drive.unit) {
-    object.integer("modbus_unit", *drive.unit);
-  } else {
-    object.null("modbus_unit");
-  }
+  object.integer("modbus_unit", drive.unit);
   object.boolean("commands", drive.commands.writers.mqtt);
-  std::string& list = object.key("signals");
-  list += '[';
-  bool first = true;
-  for (std::size_t i = 0; i < drive.signals.size(); ++i) {
-    text::append_separator(list, first);
-    append_signal(list, drive.signals[i], topics.signals.at(i));
-  }
-  list += ']';
+  text::append_list(
+      object.key("signals"), std::views::iota(std::size_t{0}, drive.signals.size()),
+      [&](std::string& list, std::size_t i) { append_signal(list, drive.signals[i], topics.signals.at(i)); });
   object.close();
 }
 
@@ -73,37 +59,25 @@ void append_bus(std::string& out, const config::Bus& bus) {
   text::ObjectText object(out);
   object.text("name", bus.name);
   object.text("interface", bus.interface);
-  if (bus.bitrate) {
-    object.integer("bitrate", *bus.bitrate);
-  } else {
-    object.null("bitrate");
-  }
+  object.integer("bitrate", bus.bitrate);
   object.integer("node_id", bus.node_id);
   object.close();
 }
 
 }  // namespace
 
-std::string info_json(const config::Model& model, const Topics& topics, std::string_view version) {
+std::string info_json(const config::Model& model, const Topics& topics, std::string_view version,
+                      std::string_view instance) {
   std::string out;
   text::ObjectText object(out);
   object.text("version", version);
+  object.text("instance", instance);
   object.text("gateway", model.gateway.name);
   object.text("base", topics.root());
-  object.key("buses") += '[';
-  bool first = true;
-  for (const config::Bus& bus : model.buses) {
-    text::append_separator(out, first);
-    append_bus(out, bus);
-  }
-  out += ']';
-  object.key("drives") += '[';
-  first = true;
-  for (std::size_t i = 0; i < model.drives.size(); ++i) {
-    text::append_separator(out, first);
-    append_drive(out, model, model.drives[i], topics.drive(i));
-  }
-  out += ']';
+  text::append_list(object.key("buses"), model.buses, append_bus);
+  text::append_list(
+      object.key("drives"), std::views::iota(std::size_t{0}, model.drives.size()),
+      [&](std::string& list, std::size_t i) { append_drive(list, model, model.drives[i], topics.drive(i)); });
   object.close();
   return out;
 }

@@ -35,7 +35,7 @@ bool KeptTopic::offer(const std::string& word, canopen::TimePoint now) {
     pace_.drop();
     return false;
   }
-  put_right_.told(now);
+  puts_right_ = put_right_.told(now);
   if (changed) {
     older_ = std::exchange(word_, std::nullopt);
     pace_.told(now);

@@ -25,6 +25,8 @@ class KeptTopic {
   [[nodiscard]] canopen::TimePoint next() const;
   /// The word as it is. True where it is to be published now.
   [[nodiscard]] bool offer(const std::string& word, canopen::TimePoint now);
+  /// The word of the last offer() that was true takes the place of somebody else's.
+  [[nodiscard]] bool puts_right() const noexcept { return puts_right_; }
   /// There is no word yet: the topic stays as it is.
   void withhold();
 
@@ -35,6 +37,7 @@ class KeptTopic {
   std::optional<std::string> word_;   ///< As published on this connection.
   std::optional<std::string> older_;  ///< The one that was published before it.
   PutRight put_right_;
+  bool puts_right_ = false;
 };
 
 }  // namespace mqtt

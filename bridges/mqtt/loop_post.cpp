@@ -18,12 +18,18 @@ void LoopPost::tell_stops_by(IsStop is_stop) {
   is_stop_ = std::move(is_stop);
 }
 
-void LoopPost::post(LoopEvent event) {
+void LoopPost::post(Call call) {
   const std::lock_guard lock(mutex_);
-  if (!executor_ || !admit(event)) {
-    return;
+  if (executor_) {
+    add(std::move(call));
   }
-  add(std::move(event));
+}
+
+void LoopPost::post_message(Incoming message) {
+  const std::lock_guard lock(mutex_);
+  if (executor_ && admit(message)) {
+    add(std::move(message));
+  }
 }
 
 void LoopPost::post_watched(Incoming message) {
@@ -50,7 +56,7 @@ void LoopPost::post_watched(Incoming message) {
   add(std::move(message));
 }
 
-void LoopPost::add(LoopEvent event) {
+void LoopPost::add(Event event) {
   events_.push_back(std::move(event));
   if (events_.size() == 1) {
     boost::asio::post(*executor_, [self = shared_from_this()] { self->drain(); });
@@ -66,40 +72,39 @@ void LoopPost::close() {
 }
 
 void LoopPost::drain() {
-  std::vector<LoopEvent> events;
+  std::vector<Event> events;
   std::size_t dropped = 0;
   {
     const std::lock_guard lock(mutex_);
     events.swap(events_);
     dropped = std::exchange(load_, {}).dropped;
   }
-  if (dropped > 0) {
-    events.emplace_back(Said{Level::error, "MQTT: " + std::to_string(dropped) +
-                                               " commands came faster than they could be taken and were dropped, "
-                                               "without an answer"});
-  }
   const Receiver receiver = receiver_;  // close() may come out of what an event does
-  for (LoopEvent& event : events) {
+  for (Event& event : events) {
     if (!receiver_) {
       return;
     }
-    receiver(event);
+    if (auto* message = std::get_if<Incoming>(&event)) {
+      receiver(std::move(*message));
+    } else {
+      std::get<Call>(event)();
+    }
+  }
+  if (dropped > 0 && receiver_) {
+    notice_(Level::error, "MQTT: " + std::to_string(dropped) +
+                              " commands came faster than they could be taken and were dropped, without an answer");
   }
 }
 
-bool LoopPost::admit(const LoopEvent& event) {
-  const auto* message = std::get_if<Incoming>(&event);
-  if (message == nullptr) {
-    return true;
-  }
-  const std::size_t size = size_of(*message);
+bool LoopPost::admit(const Incoming& message) {
+  const std::size_t size = size_of(message);
   if (!load_.full && load_.messages < kMaxMessages && load_.bytes + size <= kMaxBytes) {
     ++load_.messages;
     load_.bytes += size;
     return true;
   }
   load_.full = true;
-  if (is_stop_ && is_stop_(*message) && admit_stop(*message, size)) {
+  if (is_stop_ && is_stop_(message) && admit_stop(message, size)) {
     return true;
   }
   ++load_.dropped;

@@ -12,24 +12,12 @@
 #include <variant>
 #include <vector>
 
-#include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/notice.h"
 
 namespace mqtt {
 
-/// What the publisher's threads tell the loop. They own what they tell.
-struct Disconnected {
-  std::string why{};
-};
-struct Said {
-  Level level = Level::info;
-  std::string text;
-};
-struct Ended {};
-using LoopEvent = std::variant<Connected, Disconnected, Subscribed, Said, Ended, Incoming>;
-
-/// Brings events from any thread to the loop, in order, many in one turn. Bounded: of commands that the loop does not
+/// Brings what any thread tells to the loop, in order, many in one turn. Bounded: of commands that the loop does not
 /// get to, those beyond kMaxMessages or kMaxBytes are dropped, counted, and their number is told. Stops have as much
 /// room again; beyond that too, one is dropped only where another stop on its topic waits already, with no command
 /// behind it. What others write on topics that are watched costs no command its place: of each topic only the newest is
@@ -38,31 +26,36 @@ class LoopPost : public std::enable_shared_from_this<LoopPost> {
  public:
   static constexpr std::size_t kMaxMessages = 1000;
   static constexpr std::size_t kMaxBytes = 4UL * 1024 * 1024;
-  using Receiver = std::function<void(LoopEvent&)>;
+  using Call = std::function<void()>;
+  using Receiver = std::function<void(Incoming&&)>;
   using IsStop = std::function<bool(const Incoming&)>;
 
-  LoopPost(boost::asio::any_io_executor executor, Receiver receiver)
-      : executor_(std::move(executor)), receiver_(std::move(receiver)) {}
+  LoopPost(boost::asio::any_io_executor executor, Receiver receiver, Notice notice)
+      : executor_(std::move(executor)), receiver_(std::move(receiver)), notice_(std::move(notice)) {}
 
   /// Before the first post(): tells stops from other commands. Called on any thread, not after close().
   void tell_stops_by(IsStop is_stop);
   /// From any thread; does nothing after close().
-  void post(LoopEvent event);
+  void post(Call call);
+  /// A command, likewise.
+  void post_message(Incoming message);
   /// A message on a topic that is watched, likewise.
   void post_watched(Incoming message);
   /// On the loop: nothing arrives any more. The loop may be gone afterwards.
   void close();
 
  private:
-  void add(LoopEvent event);
+  using Event = std::variant<Call, Incoming>;
+
+  void add(Event event);
   void drain();
   /// False: it is one too many.
-  [[nodiscard]] bool admit(const LoopEvent& event);
+  [[nodiscard]] bool admit(const Incoming& message);
   [[nodiscard]] bool admit_stop(const Incoming& stop, std::size_t size);
 
   std::mutex mutex_;
   std::optional<boost::asio::any_io_executor> executor_;  ///< Nothing after close().
-  std::vector<LoopEvent> events_;
+  std::vector<Event> events_;
   /// What was posted since the loop came last.
   struct Load {
     std::size_t messages = 0;
@@ -78,6 +71,7 @@ class LoopPost : public std::enable_shared_from_this<LoopPost> {
   Load load_;
   IsStop is_stop_;
   Receiver receiver_;  ///< Used on the loop only.
+  Notice notice_;      ///< Likewise.
 };
 
 }  // namespace mqtt

@@ -26,6 +26,8 @@ struct Message {
   std::uint32_t expiry = 0;
   /// It leaves when all that waits with it has left: `online` says that everything is there.
   bool after_all = false;
+  /// It says again what somebody else had overwritten.
+  bool puts_right = false;
   std::optional<std::string> correlation{};  ///< MQTT 5 only: correlation data of the request it answers.
   friend bool operator==(const Message&, const Message&) = default;
 };

@@ -11,15 +11,20 @@ using canopen::DataType;
 using canopen::Error;
 using canopen::ErrorKind;
 
+// A fraction or an exponent makes it no integer.
+bool is_integer(std::string_view text) {
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string_view::npos;
+}
+
+// Of digits, so all that can be wrong is the size, or a minus where there is no sign.
 template <class Integer>
-canopen::Result<canopen::Raw> integer_of(std::string_view text) {
+canopen::Result<process::GivenValue> integer_of(std::string_view text) {
   Integer value{};
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  // Digits only, so all that can be wrong is the size, or a minus where there is no sign.
-  if (end.ec != std::errc{} || end.ptr != text.data() + text.size()) {
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc{}) {
     return Error{.kind = ErrorKind::range, .detail = std::string(text) + " is out of the type's range"};
   }
-  return static_cast<canopen::Raw>(value);
+  return process::GivenValue(static_cast<canopen::Raw>(value));
 }
 
 }  // namespace
@@ -36,19 +41,18 @@ canopen::Result<double> number_of(std::string_view text) {
   return value;
 }
 
-std::optional<canopen::Result<canopen::Raw>> exact_integer(DataType type, std::string_view text) {
-  const std::size_t sign = text.starts_with('-') ? 1 : 0;
-  const bool whole = text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string_view::npos;
-  if (!whole) {
-    return std::nullopt;
-  }
-  if (type == DataType::i64) {
+canopen::Result<process::GivenValue> number_in(DataType type, std::string_view text) {
+  if (type == DataType::i64 && is_integer(text)) {
     return integer_of<std::int64_t>(text);
   }
-  if (type == DataType::u64) {
-    return text == "-0" ? canopen::Result<canopen::Raw>(canopen::Raw{0}) : integer_of<std::uint64_t>(text);
+  if (type == DataType::u64 && is_integer(text)) {
+    return integer_of<std::uint64_t>(text == "-0" ? "0" : text);
   }
-  return std::nullopt;
+  const canopen::Result<double> number = number_of(text);
+  if (number.has_error()) {
+    return number.error();
+  }
+  return process::GivenValue(number.value());
 }
 
 }  // namespace mqtt

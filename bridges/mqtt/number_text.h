@@ -1,8 +1,8 @@
 #pragma once
 
-#include <optional>
 #include <string_view>
 
+#include "bridges/process/command.h"
 #include "canopen/error.h"
 #include "canopen/object.h"
 
@@ -12,8 +12,8 @@ namespace mqtt {
 /// holds.
 [[nodiscard]] canopen::Result<double> number_of(std::string_view text);
 
-/// The exact raw value of a whole number in a 64-bit integer type, which a double would round; nothing where the text
-/// has a fraction or an exponent, or the type is none of these. `range` where the type cannot hold it.
-[[nodiscard]] std::optional<canopen::Result<canopen::Raw>> exact_integer(canopen::DataType type, std::string_view text);
+/// The same for a value of `type`: a whole number in a 64-bit integer type, which a double would round, is its raw
+/// value; `range` where the type cannot hold it.
+[[nodiscard]] canopen::Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text);
 
 }  // namespace mqtt

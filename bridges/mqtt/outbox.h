@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -18,7 +18,8 @@ namespace mqtt {
 
 /// Messages that wait for the broker. They leave by kind, within a kind in the order in which their topics began to
 /// wait. Of each topic only the newest waits, in the place of the one before, so that no topic starves; several of one
-/// batch wait together where nothing did before (a pulse). Answers each count, but not for long: they are dropped, and
+/// batch wait together where nothing did before (a pulse). One that goes after all takes a place of its own, behind all
+/// that waits, and what replaces it goes after all too. Answers each count, but not for long: they are dropped, and
 /// counted, when they are older than kAnswerAge, were tried on kAnswerTries connections, or are too many. Holds one
 /// message per topic, one batch of pulses, and the answers. Knows no time but what it is given. Not thread-safe.
 class Outbox {
@@ -37,9 +38,13 @@ class Outbox {
     int tries = 0;  ///< Connections on which it left, this one included.
   };
 
+  /// What is held back waits as if it were not there.
+  using Holds = std::function<bool(const Message&)>;
+
   void push(std::vector<Message> batch, TimePoint now);
-  /// Nothing where nothing may leave.
-  [[nodiscard]] std::optional<Item> pop(TimePoint now);
+  /// What pop() gives; nullptr where nothing may leave.
+  [[nodiscard]] const Message* front(TimePoint now, const Holds& holds = nullptr);
+  [[nodiscard]] std::optional<Item> pop(TimePoint now, const Holds& holds = nullptr);
   /// An answer that left and may not have arrived, because its connection went.
   void put_back(Item answer, TimePoint now);
   /// The next connection begins with everything that is retained.
@@ -59,14 +64,13 @@ class Outbox {
   };
   using Queue = std::map<Key, Waiting>;
 
+  [[nodiscard]] Queue::iterator first(TimePoint now, const Holds& holds);
   void push_newest(Message message, TimePoint now);
   void push_answer(Message message, std::uint64_t place, TimePoint arrived, int tries);
   void drop_old_answers(TimePoint now);
   void drop_answer(Queue::iterator answer);
-  Queue::iterator erase(Queue::iterator waiting);
 
   Queue waiting_;
-  std::set<std::uint64_t> places_;               ///< Of all that waits.
   std::unordered_map<std::string, Key> newest_;  ///< By topic.
   std::uint64_t place_ = 0;
   std::uint64_t batch_ = 0;

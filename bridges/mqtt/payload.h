@@ -15,11 +15,10 @@ namespace mqtt {
 /// one.
 [[nodiscard]] std::optional<canopen::WallTime> newest_value(std::span<const process::SourceState> sources);
 
-/// What `B/<drive>/state` says: every readable signal, null where it is not fresh.
-[[nodiscard]] std::string state_json(const process::Drive& drive, const Pace& pace, canopen::TimePoint now);
-
-/// What an orderly end leaves there: offline, and null for everything.
-[[nodiscard]] std::string farewell_state_json(const process::Drive& drive, const Pace& pace);
+/// What `B/<drive>/state` says: every readable signal, null where it is not fresh. Without a time what an orderly end
+/// leaves there: offline, and null for everything.
+[[nodiscard]] std::string state_json(const process::Drive& drive, const Pace& pace,
+                                     std::optional<canopen::TimePoint> now);
 
 /// What `B/<drive>/<signal>` says; nothing where the value is not fresh, or no number.
 [[nodiscard]] std::optional<std::string> signal_text(const process::Drive& drive, process::SignalId signal, Shape shape,

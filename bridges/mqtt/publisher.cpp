@@ -3,6 +3,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
+#include <random>
 #include <utility>
 
 #include "bridges/mqtt/topics.h"
@@ -10,105 +11,163 @@
 namespace mqtt {
 
 Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings settings, Notice notice)
-    : notice_(std::move(notice)),
-      loop_(std::make_shared<LoopPost>(executor, [this](LoopEvent& event) { receive(event); })),
-      broker_thread_(std::make_shared<BrokerThread>(std::move(settings), loop_)),
+    : settings_(std::move(settings)),
+      broker_(uri_host(settings_.broker.host) + ":" + std::to_string(settings_.broker.port)),
+      notice_(std::move(notice)),
+      loop_(std::make_shared<LoopPost>(
+          executor, [this](Incoming&& message) { events_->on_message(std::move(message)); }, notice_)),
+      traffic_(settings_.client.qos, [this](Level level, std::string text) { say(level, std::move(text)); }),
+      attempts_(settings_.version, settings_.first_pause, settings_.longest_pause, std::random_device{}()),
       ended_timer_(executor) {}
 
 Publisher::~Publisher() {
   loop_->close();
-  if (thread_.joinable()) {  // not stopped in order: the broker publishes the will
-    broker_thread_->finish({}, std::chrono::milliseconds(0));
-    ended_ = broker_thread_->await_end(std::chrono::milliseconds(2000));
-    leave();
+  if (thread_.joinable()) {
+    finish({}, std::chrono::milliseconds(0));
+    thread_.join();
   }
 }
 
 void Publisher::start(BrokerEvents& events) {
   events_ = &events;
   loop_->tell_stops_by([&events](const Incoming& message) { return events.is_stop(message); });
-  thread_ = std::thread([shared = broker_thread_] { shared->run(); });
+  thread_ = std::thread([this] { run(); });
 }
 
 void Publisher::subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) {
-  broker_thread_->subscribe(connection, std::move(subscriptions));
+  const Guard lock(mutex_);
+  for (Subscription& subscription : subscriptions) {
+    if (connection == line_.connection) {
+      line_.orders.push_back({std::move(subscription)});
+    }
+  }
+  wake_.notify_one();
+}
+
+void Publisher::unsubscribe(ConnectionId connection, std::vector<std::string> filters) {
+  const Guard lock(mutex_);
+  for (std::string& filter : filters) {
+    if (connection == line_.connection) {
+      line_.orders.push_back({.subscription = {.filter = std::move(filter)}, .ends = true});
+    }
+  }
+  wake_.notify_one();
 }
 
 void Publisher::publish(std::vector<Message> batch) {
-  broker_thread_->publish(std::move(batch));
-}
-
-BrokerCounts Publisher::counts() const {
-  return broker_thread_->counts();
-}
-
-bool Publisher::alive() const {
-  return broker_thread_->alive();
+  const Guard lock(mutex_);
+  if (!finishing_) {  // nothing comes behind the last words
+    traffic_.push(std::move(batch), Clock::now());
+  }
+  wake_.notify_one();
 }
 
 void Publisher::open(ConnectionId connection) {
-  broker_thread_->open(connection);
+  const Guard lock(mutex_);
+  if (connection == line_.connection && line_.is_up() && !finishing_) {
+    traffic_.open(Clock::now());
+  }
+  wake_.notify_one();
+}
+
+void Publisher::drop(ConnectionId connection, std::string why) {
+  const Guard lock(mutex_);
+  if (connection == line_.connection && line_.is_up() && !finishing_) {
+    line_.drop = std::move(why);
+  }
+  wake_.notify_one();
+}
+
+void Publisher::suspect_takeover(ConnectionId connection) {
+  const Guard lock(mutex_);
+  line_.suspects_takeover = line_.suspects_takeover || connection == line_.connection;
+}
+
+BrokerCounts Publisher::counts() const {
+  const Guard lock(mutex_);
+  return traffic_.counts();
+}
+
+bool Publisher::alive() const {
+  const Guard lock(mutex_);
+  const auto now = Clock::now();
+  return now < silent_from_ && !(line_.is_up() && traffic_.stuck(now));
 }
 
 boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {
   if (thread_.joinable()) {
-    broker_thread_->finish(std::move(last), broker_thread_->settings().farewell);
+    finish(std::move(last), settings_.farewell);
     ended_timer_.expires_after(kStopLimit);
     boost::system::error_code ignored;
     if (!ended_) {
       co_await ended_timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
     }
-    leave();
+    if (ended_) {
+      thread_.join();
+    }
   }
   loop_->close();
 }
 
-void Publisher::receive(LoopEvent& event) {
-  if (auto* message = std::get_if<Incoming>(&event)) {
-    events_->on_message(std::move(*message));
-  } else if (const auto* connected = std::get_if<Connected>(&event)) {
-    events_->on_connected(*connected);
-  } else if (const auto* gone = std::get_if<Disconnected>(&event)) {
-    events_->on_disconnected(gone->why);
-  } else if (const auto* subscribed = std::get_if<Subscribed>(&event)) {
-    events_->on_subscribed(*subscribed);
-  } else if (auto* said = std::get_if<Said>(&event)) {
-    notice_(said->level, std::move(said->text));
+void Publisher::finish(std::vector<Message> last, std::chrono::milliseconds patience) {
+  const Guard lock(mutex_);
+  has_last_words_ = !last.empty();
+  traffic_.push(std::move(last), Clock::now());
+  finishing_ = true;
+  finish_by_ = Clock::now() + patience;
+  wake_.notify_one();
+}
+
+void Publisher::on_up(BrokerLimits limits) noexcept {
+  const Guard lock(mutex_);
+  line_.up(limits);
+  wake_.notify_one();
+}
+
+void Publisher::on_refused(Refusal refusal) noexcept {
+  const Guard lock(mutex_);
+  line_.refused(refusal);
+  wake_.notify_one();
+}
+
+void Publisher::on_down(int code) noexcept {
+  const Guard lock(mutex_);
+  line_.down(code);
+  wake_.notify_one();
+}
+
+void Publisher::on_incoming(Incoming&& message) noexcept {
+  const Guard lock(mutex_);
+  if (line_.is_watched(message.topic)) {
+    loop_->post_watched(std::move(message));
   } else {
-    ended_ = true;
-    ended_timer_.cancel();
+    loop_->post_message(std::move(message));
   }
 }
 
-// A thread that ended is joined; one that hangs owns all it uses and ends when it can.
-void Publisher::leave() {
-  if (ended_) {
-    thread_.join();
-  } else {
-    thread_.detach();
+void Publisher::on_sent(const Message* message, Delivery delivery, int code) noexcept {
+  const Guard lock(mutex_);
+  traffic_.acknowledged(message, delivery, code, Clock::now());
+  wake_.notify_one();
+}
+
+void Publisher::on_subscribed(Subscribed&& subscribed) noexcept {
+  const Guard lock(mutex_);
+  if (line_.is_up()) {  // else it failed because the connection went
+    loop_->post([this, answer = std::move(subscribed)] { events_->on_subscribed(answer); });
   }
 }
 
-namespace {
-
-int number_of(config::MqttVersion version) noexcept {
-  switch (version) {
-    case config::MqttVersion::v5:
-      return 5;
-    case config::MqttVersion::v3_1_1:
-      return 4;
-    case config::MqttVersion::automatic:
-      break;
-  }
-  return 0;
+void Publisher::say(Level level, std::string text) {
+  loop_->post([this, level, said = std::move(text)] { notice_(level, said); });
 }
-
-}  // namespace
 
 PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
   PublisherSettings settings;
   settings.broker = mqtt.brokers.front();
-  settings.version = number_of(mqtt.version);
+  if (mqtt.version != config::MqttVersion::automatic) {
+    settings.version = mqtt.version == config::MqttVersion::v5 ? 5 : 4;
+  }
   settings.client.client_id = mqtt.client_id.empty() ? "canopen-gateway-" + gateway.name : mqtt.client_id;
   settings.client.username = mqtt.username;
   settings.client.password = mqtt.password;
@@ -116,11 +175,6 @@ PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gat
   settings.client.will_payload = "offline";
   settings.client.qos = mqtt.qos;
   return settings;
-}
-
-std::unique_ptr<Broker> make_publisher(boost::asio::any_io_executor executor, const config::Mqtt& mqtt,
-                                       const config::Gateway& gateway, Notice notice) {
-  return std::make_unique<Publisher>(std::move(executor), publisher_settings(mqtt, gateway), std::move(notice));
 }
 
 }  // namespace mqtt

@@ -2,55 +2,127 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <chrono>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "bridges/mqtt/attempts.h"
 #include "bridges/mqtt/broker.h"
-#include "bridges/mqtt/broker_thread.h"
+#include "bridges/mqtt/client.h"
+#include "bridges/mqtt/line.h"
 #include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
+#include "bridges/mqtt/traffic.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
 namespace mqtt {
 
-/// The real broker: Paho, in a thread of its own that the loop never waits for. What the threads share they own
-/// together, so that a thread that hangs in name resolution at the end is left to itself.
-class Publisher final : public Broker {
+/// How the publisher behaves; the defaults are for real plants.
+struct PublisherSettings {
+  config::Endpoint broker;
+  ClientSettings client;  ///< Its uri and version are filled in per attempt.
+  int version = 0;        ///< 5 or 4 (MQTT 3.1.1) only; 0: 5, and 3.1.1 with brokers that do not speak it.
+  std::chrono::milliseconds first_pause{1000};
+  std::chrono::milliseconds longest_pause{5000};
+  std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
+  std::chrono::milliseconds farewell{2000};              ///< For the last messages at the end.
+  std::chrono::milliseconds resolve_patience{300000};    ///< A publisher that resolves longer stands still.
+  Resolver resolver = resolve;
+};
+
+/// The real broker: Paho, served by a thread of its own that the loop never waits for: it connects, sends what the loop
+/// gave it, connects again, and alone calls Paho. What the loop, that thread and Paho's own share is behind one lock,
+/// which is never held while Paho is called, since Paho's threads take it while they hold Paho's own.
+class Publisher final : public Broker, private ClientEvents {
  public:
-  /// Longest time stop() and the destructor take.
+  /// Longest time stop() takes.
   static constexpr canopen::Duration kStopLimit = std::chrono::seconds(5);
 
   Publisher(boost::asio::any_io_executor executor, PublisherSettings settings, Notice notice);
+  /// Without stop() before, the broker publishes the will.
   ~Publisher() override;
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
   void start(BrokerEvents& events) override;
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) override;
+  void unsubscribe(ConnectionId connection, std::vector<std::string> filters) override;
   void publish(std::vector<Message> batch) override;
   void open(ConnectionId connection) override;
+  void drop(ConnectionId connection, std::string why) override;
+  void suspect_takeover(ConnectionId connection) override;
   [[nodiscard]] BrokerCounts counts() const override;
   [[nodiscard]] bool alive() const override;
   boost::asio::awaitable<void> stop(std::vector<Message> last) override;
 
  private:
-  void receive(LoopEvent& event);
-  void leave();
+  using Clock = std::chrono::steady_clock;
+  using Guard = std::lock_guard<std::mutex>;
+  using Lock = std::unique_lock<std::mutex>;
 
-  Notice notice_;
+  /// Only what waits and `last` are still sent, for as long as `patience`. Without last words the will is published.
+  void finish(std::vector<Message> last, std::chrono::milliseconds patience);
+
+  // From Paho's threads.
+  void on_up(BrokerLimits limits) noexcept override;
+  void on_refused(Refusal refusal) noexcept override;
+  void on_down(int code) noexcept override;
+  void on_incoming(Incoming&& message) noexcept override;
+  void on_sent(const Message* message, Delivery delivery, int code) noexcept override;
+  void on_subscribed(Subscribed&& subscribed) noexcept override;
+
+  // The thread's work.
+  void run();
+  Line::End attempt();
+  [[nodiscard]] std::vector<std::string> addresses();
+  std::optional<Refusal> connect(const std::string& address, int version);
+  Line::End serve();
+  [[nodiscard]] bool carry_out(Lock& lock);
+  [[nodiscard]] bool send(Lock& lock);
+  void drop_client();
+  [[nodiscard]] bool pause(std::chrono::milliseconds duration);
+  void say_failure(const Line::End& end, std::chrono::milliseconds pause);
+
+  // With the lock held.
+  void expect_sign_of_life(std::chrono::milliseconds allowance) { silent_from_ = Clock::now() + allowance; }
+  [[nodiscard]] bool farewell_over();
+  [[nodiscard]] bool has_work();
+
+  void say(Level level, std::string text);
+
+  const PublisherSettings settings_;
+  const std::string broker_;  ///< `HOST:PORT`.
+  const Notice notice_;
   BrokerEvents* events_ = nullptr;
-  std::shared_ptr<LoopPost> loop_;
-  std::shared_ptr<BrokerThread> broker_thread_;
+  const std::shared_ptr<LoopPost> loop_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  Line line_;
+  mutable Traffic traffic_;                                   ///< What waited for too long goes when it is looked at.
+  Clock::time_point silent_from_ = Clock::time_point::max();  ///< Alive until then.
+  bool finishing_ = false;
+  bool has_last_words_ = false;
+  Clock::time_point finish_by_{};
+
+  // The thread's own, without the lock.
+  std::unique_ptr<Client> client_;
+  Attempts attempts_;
+  std::string last_failure_;
+
+  // The loop's own.
   std::thread thread_;
-  canopen::Timer ended_timer_;  ///< Cancelled when the thread ended.
+  canopen::Timer ended_timer_;  ///< Cancelled when the thread has ended.
   bool ended_ = false;
 };
 
 /// As a site configured it. The client id is `canopen-gateway-<name>` where it names none.
 [[nodiscard]] PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway);
-[[nodiscard]] std::unique_ptr<Broker> make_publisher(boost::asio::any_io_executor executor, const config::Mqtt& mqtt,
-                                                     const config::Gateway& gateway, Notice notice);
 
 }  // namespace mqtt

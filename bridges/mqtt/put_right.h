@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "bridges/mqtt/message.h"
+#include "bridges/mqtt/notice.h"
 #include "canopen/clock.h"
 
 namespace mqtt {
@@ -22,12 +26,14 @@ class PutRight {
   }
   /// It says ours, or a new connection begins.
   void forget() noexcept { at_ = canopen::kNever; }
-  /// Ours is said now, for whatever reason.
-  void told(canopen::TimePoint now) noexcept {
-    if (is_due(now)) {
+  /// Ours is said now, for whatever reason. True: it puts right what somebody else wrote.
+  bool told(canopen::TimePoint now) noexcept {
+    const bool due = is_due(now);
+    if (due) {
       last_ = now;
     }
     at_ = canopen::kNever;
+    return due;
   }
   [[nodiscard]] bool is_due(canopen::TimePoint now) const noexcept { return at_ <= now; }
   [[nodiscard]] canopen::TimePoint next() const noexcept { return at_; }
@@ -35,6 +41,20 @@ class PutRight {
  private:
   canopen::TimePoint at_ = canopen::kNever;
   std::optional<canopen::TimePoint> last_;  ///< When it was put right.
+};
+
+/// Counts what was put right since the start, and says so at most once each kPause.
+class PutRightTally {
+ public:
+  static constexpr canopen::Duration kPause = std::chrono::minutes(1);
+
+  /// This leaves now.
+  void note(const std::vector<Message>& batch, canopen::TimePoint now, const Notice& notice);
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+
+ private:
+  std::uint64_t count_ = 0;
+  std::optional<canopen::TimePoint> said_;
 };
 
 }  // namespace mqtt

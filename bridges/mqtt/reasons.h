@@ -20,6 +20,12 @@ namespace mqtt {
 [[nodiscard]] constexpr bool refuses_credentials(int code) {
   return code == 4 || code == 5 || code == 0x86 || code == 0x87 || code == 0x8A;
 }
+/// DISCONNECT for a reason that is not about a message: busy, shutting down, timeouts, take-over, an administrator, use
+/// of another server, too many connections.
+[[nodiscard]] constexpr bool spares_messages(int code) {
+  return code == 0x89 || code == 0x8B || code == 0x8D || code == 0x8E || code == 0x98 || code == 0x9C || code == 0x9D ||
+         code == 0x9F || code == 0xA0;
+}
 /// DISCONNECT because another client connected with our client id.
 [[nodiscard]] constexpr bool is_takeover(int code) {
   return code == 0x8E;

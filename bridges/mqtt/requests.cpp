@@ -6,7 +6,6 @@
 #include <exception>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "bridges/mqtt/under_way.h"
 #include "bridges/process/command_checks.h"
@@ -45,7 +44,9 @@ process::CommandRecord::Kind kind_of(const Route& route) {
 }
 
 bool carries_no_command(const Route& route) {
-  return route.kind == Route::Kind::alarm || route.kind == Route::Kind::status || route.kind == Route::Kind::alive;
+  using Kind = Route::Kind;
+  return route.kind == Kind::alarm || route.kind == Kind::status || route.kind == Kind::life ||
+         route.kind == Kind::alive;
 }
 
 }  // namespace
@@ -78,7 +79,7 @@ void Requests::handle(const Incoming& incoming, const Route& route) {
   }
   const canopen::TimePoint now = canopen::Clock::now();
   command.expired = is_expired(incoming, now);
-  Asker asker{.to = command.to, .left_out = command.left_out};
+  Asker asker{.to = command.to};
   if (command.allowed && may_repeat(incoming, command)) {
     const auto earlier = under_way_->duplicates.earlier(incoming, command.has_id, now);
     if (earlier && !command.expired) {
@@ -140,16 +141,14 @@ Requests::Command Requests::take_apart(const Incoming& incoming, const Route& ro
                   .asked = asked_of(drive == nullptr ? nullptr : &drive->model(), route, parsed)};
   command.to.id = parsed.id;
   command.allowed = drive == nullptr || command.reads || !process::refuse_writer(drive->model(), mqtt_writer());
-  if (command.asked.has_error() && drive != nullptr) {
-    std::vector<process::FieldWrite> sound = sound_fields_of(drive->model(), route, parsed);
-    if (drive->is_stop(sound)) {
-      command.left_out = command.asked.error();
-      command.asked = Asked(std::move(sound));
-    }
-  }
   if (command.asked.has_value()) {
-    command.stops = std::holds_alternative<StopAll>(command.asked.value()) ||
-                    (drive != nullptr && drive->is_stop(written_by(drive->model(), command.asked.value())));
+    const Asked& asked = command.asked.value();
+    command.stops = std::holds_alternative<StopAll>(asked) ||
+                    (drive != nullptr && drive->is_stop(written_by(drive->model(), asked)));
+    const auto* fields = std::get_if<Fields>(&asked);
+    if (fields != nullptr && fields->mistake && !command.stops) {
+      command.asked = Error(*fields->mistake);
+    }
   }
   return command;
 }
@@ -195,35 +194,29 @@ Result<void> Requests::begin(const Incoming& incoming, Command& command, const A
   if (command.asked.has_error()) {
     return command.asked.error();
   }
-  process::Origin origin = origin_of(incoming, command.id);
-  if (command.drive == nullptr) {
-    spawn(nullptr, stop_every_drive(under_way_, plant_, std::move(origin), asker));
-    return {};
+  std::size_t* among = nullptr;
+  if (command.drive != nullptr) {
+    among = &(command.reads ? under_way_->reads : under_way_->commands).at(command.drive->index());
+    const bool waits = command.allowed && !command.expired && !command.stops;
+    if (waits && *among >= (command.reads ? kMaxReads : kMaxCommands)) {
+      under_way_->duplicates.forget(asker.ticket);  // it may come again with the same id
+      return Error{.kind = ErrorKind::timeout,
+                   .detail = std::string("too many ") + (command.reads ? "reads" : "commands") +
+                             " under way; this one was not carried out"};
+    }
+    ++*among;
   }
-  std::size_t& among = (command.reads ? under_way_->reads : under_way_->commands).at(command.drive->index());
-  const bool waits = command.allowed && !command.expired && !command.stops;
-  if (waits && among >= (command.reads ? kMaxReads : kMaxCommands)) {
-    under_way_->duplicates.forget(asker.ticket);  // it may come again with the same id
-    return Error{.kind = ErrorKind::timeout,
-                 .detail = std::string("too many ") + (command.reads ? "reads" : "commands") +
-                           " under way; this one was not carried out"};
-  }
-  spawn(&among, carry_out(std::move(origin), command, asker));
+  ++under_way_->total;
+  boost::asio::co_spawn(executor_,
+                        carry_out(under_way_, plant_, command.drive, origin_of(incoming, command.id),
+                                  std::move(command.asked.value()), asker),
+                        [under_way = under_way_, among](std::exception_ptr failure) {
+                          under_way->ended(among);
+                          if (failure) {
+                            std::rethrow_exception(failure);
+                          }
+                        });
   return {};
-}
-
-boost::asio::awaitable<void> Requests::carry_out(process::Origin origin, Command& command, const Asker& asker) {
-  Asked& asked = command.asked.value();
-  process::Drive& drive = *command.drive;
-  if (auto* fields = std::get_if<std::vector<process::FieldWrite>>(&asked)) {
-    return write_fields(under_way_, drive, std::move(origin), std::move(*fields), asker);
-  }
-  if (const auto* nmt = std::get_if<canopen::NmtCommand>(&asked)) {
-    return send_nmt(under_way_, drive, std::move(origin), *nmt, asker);
-  }
-  const auto& request = std::get<SdoRequest>(asked);
-  return request.value ? write_object(under_way_, drive, std::move(origin), request, asker)
-                       : read_object(under_way_, drive, request, asker);
 }
 
 // A message that the broker kept may be of any time. It moves nothing, so it needs no answer.
@@ -236,19 +229,6 @@ void Requests::take_sign_of_life(const Incoming& incoming, const Route& route) {
   } else if (drive != nullptr && !process::refuse_writer(drive->model(), mqtt_writer())) {
     drive->sign_of_life(mqtt_writer());
   }
-}
-
-void Requests::spawn(std::size_t* among, boost::asio::awaitable<void> work) {
-  if (among != nullptr) {
-    ++*among;
-  }
-  ++under_way_->total;
-  boost::asio::co_spawn(executor_, std::move(work), [under_way = under_way_, among](std::exception_ptr failure) {
-    under_way->ended(among);
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
-  });
 }
 
 }  // namespace mqtt

@@ -58,7 +58,6 @@ class Requests {
     bool allowed = true;  ///< MQTT may write this drive, or nothing is written.
     bool expired = false;
     canopen::Result<Asked> asked;
-    std::optional<canopen::Error> left_out{};  ///< A mistake beside a stop.
   };
 
   [[nodiscard]] Command take_apart(const Incoming& incoming, const Route& route) const;
@@ -70,11 +69,7 @@ class Requests {
   /// What is told of a command that is refused here; where it names a drive, that one notes it.
   static process::Outcome refuse(const Incoming& incoming, const Command& command, canopen::Error mistake);
   [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, Command& command, const Asker& asker);
-  /// A command of one drive.
-  [[nodiscard]] boost::asio::awaitable<void> carry_out(process::Origin origin, Command& command, const Asker& asker);
   void take_sign_of_life(const Incoming& incoming, const Route& route);
-  /// Counts what is under way; `among` those of its drive, null: of no single one.
-  void spawn(std::size_t* among, boost::asio::awaitable<void> work);
 
   boost::asio::any_io_executor executor_;
   process::Plant& plant_;

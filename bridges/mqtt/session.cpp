@@ -7,44 +7,138 @@ namespace mqtt {
 
 using canopen::kNever;
 
-void Session::connected(ConnectionId connection, canopen::TimePoint now) {
-  connection_ = connection;
-  phase_ = Phase::subscribing;
-  std::vector<Subscription> subscriptions = topics_.command_subscriptions();
-  for (Subscription& watched : topics_.watched_subscriptions()) {
-    subscriptions.push_back(std::move(watched));
-  }
+void Session::connected(const Connected& connection, canopen::TimePoint now) {
+  connection_ = connection.id;
+  place_ = &places_[connection.broker];
+  looked_here_ = !place_->looked;
   entries_.clear();
-  for (const Subscription& subscription : subscriptions) {
-    entries_.push_back({.subscription = subscription, .at = now + kSubscribePatience});
+  if (looked_here_) {
+    look_until_ = now + kSubscribePatience;
+    quiet_at_ = look_until_;
+    answered_ = false;
+    phase_ = Phase::looking;
+    broker_.subscribe(connection_, {topics_.tree_subscription()});
+  } else {
+    ask(Phase::subscribing, topics_.command_subscriptions(), now);
   }
-  broker_.subscribe(connection, std::move(subscriptions));
 }
 
 void Session::lost() {
+  if (phase_ == Phase::offline) {
+    return;
+  }
+  const std::string suspect = unanswered();
+  if (suspect.empty() || suspect != place_->suspect) {
+    place_->suspect = suspect;
+  } else {
+    place_->suspect.clear();
+    const bool look = suspect == topics_.tree_subscription().filter;
+    place_->looked = place_->looked || look;
+    if (!look) {
+      place_->left_out.insert(suspect);
+    }
+    notice_(Level::error, "MQTT: twice in a row the connection broke at the subscription to " + suspect +
+                              ": it is left out at this broker until the gateway's next start. " +
+                              (look ? "Topics of drives and signals that are gone stay there"
+                                    : "What others write there is not put right") +
+                              "; give the gateway's user the right to read there");
+  }
   phase_ = Phase::offline;
   entries_.clear();
 }
 
+std::string Session::unanswered() const {
+  if (phase_ == Phase::looking) {
+    return topics_.tree_subscription().filter;
+  }
+  // Brokers answer in order.
+  const auto entry = std::find_if(entries_.begin(), entries_.end(), [](const Entry& each) {
+    return each.subscription.watched && (each.state == Entry::State::asked || each.unanswered >= kTries);
+  });
+  return entry == entries_.end() ? std::string() : entry->subscription.filter;
+}
+
+void Session::ask(Phase phase, std::vector<Subscription> subscriptions, canopen::TimePoint now) {
+  phase_ = phase;
+  for (const Subscription& subscription : subscriptions) {
+    entries_.push_back({.subscription = subscription, .at = now + kSubscribePatience});
+  }
+  broker_.subscribe(connection_, std::move(subscriptions));
+}
+
+bool Session::sets_aside(const Incoming& message, canopen::TimePoint now) {
+  if (message.retained || phase_ == Phase::leaving) {
+    quiet_at_ = now + kQuiet;
+  }
+  return phase_ == Phase::offline || phase_ == Phase::looking || phase_ == Phase::leaving;
+}
+
+void Session::stray(const Incoming& message) {
+  if (std::exchange(looked_here_, false)) {
+    give_up("the broker goes on sending what is not subscribed to any more, such as " + message.topic);
+  }
+}
+
+void Session::give_up(std::string why) {
+  broker_.drop(connection_, std::move(why));
+  lost();
+}
+
+void Session::say_no_look(const std::string& why) {
+  notice_(Level::warning, "MQTT: the subscription to " + topics_.tree_subscription().filter + " is refused: " + why +
+                              ". Topics of drives and signals that are gone stay there");
+}
+
+void Session::leave(canopen::TimePoint now) {
+  place_->looked = true;
+  look_until_ = now + kSubscribePatience;
+  quiet_at_ = now + kQuiet;
+  phase_ = Phase::leaving;
+  broker_.unsubscribe(connection_, {topics_.tree_subscription().filter});
+}
+
 void Session::subscribed(const Subscribed& answer, canopen::TimePoint now) {
+  if (phase_ == Phase::looking) {
+    quiet_at_ = now + kQuiet;
+    answered_ = true;
+    if (answer.refused) {
+      place_->looked = true;
+      looked_here_ = false;
+      say_no_look(*answer.refused);
+      ask(Phase::subscribing, topics_.command_subscriptions(), now);
+    }
+    return;
+  }
   const auto entry = std::find_if(entries_.begin(), entries_.end(),
                                   [&answer](const Entry& each) { return each.subscription.filter == answer.filter; });
   if (entry == entries_.end()) {
     return;
   }
   if (answer.refused) {
+    entry->unanswered = 0;
     refuse(*entry, *answer.refused, now);
   } else {
     entry->state = Entry::State::granted;
     entry->at = kNever;
+    entry->unanswered = 0;
     if (said_.erase(answer.filter) != 0) {
       notice_(Level::info, "MQTT: the broker grants the subscription to " + answer.filter + " now");
     }
   }
-  finish();
+  finish(now);
 }
 
 void Session::tick(canopen::TimePoint now) {
+  if (phase_ == Phase::looking && now >= std::min(quiet_at_, look_until_)) {
+    if (!answered_) {
+      say_no_look("no answer within 10 s");
+    }
+    leave(now);
+  } else if (phase_ == Phase::leaving && now >= quiet_at_) {
+    ask(Phase::subscribing, topics_.command_subscriptions(), now);
+  } else if (phase_ == Phase::leaving && now >= look_until_) {
+    give_up("the broker goes on sending what is not subscribed to any more");
+  }
   std::vector<Subscription> again;
   for (Entry& entry : entries_) {
     if (now < entry.at) {
@@ -52,6 +146,10 @@ void Session::tick(canopen::TimePoint now) {
     }
     if (entry.state == Entry::State::asked) {
       refuse(entry, "no answer within 10 s", now);
+      if (++entry.unanswered == kTries) {
+        give_up("the broker does not answer the subscription to " + entry.subscription.filter);
+        return;
+      }
     } else {
       entry.state = Entry::State::asked;
       entry.at = now + kSubscribePatience;
@@ -61,10 +159,13 @@ void Session::tick(canopen::TimePoint now) {
   if (!again.empty()) {
     broker_.subscribe(connection_, std::move(again));
   }
-  finish();
+  finish(now);
 }
 
 canopen::TimePoint Session::deadline() const noexcept {
+  if (phase_ == Phase::looking || phase_ == Phase::leaving) {
+    return std::min(quiet_at_, look_until_);
+  }
   canopen::TimePoint next = kNever;
   for (const Entry& entry : entries_) {
     next = std::min(next, entry.at);
@@ -74,6 +175,9 @@ canopen::TimePoint Session::deadline() const noexcept {
 
 std::vector<std::string> Session::refused() const {
   std::vector<std::string> filters;
+  if (phase_ != Phase::offline) {
+    filters.assign(place_->left_out.begin(), place_->left_out.end());
+  }
   for (const Entry& entry : entries_) {
     // One that is tried again is as it was until it is answered.
     if (entry.state == Entry::State::refused || (entry.state == Entry::State::asked && entry.pause != kFirstPause)) {
@@ -95,12 +199,23 @@ void Session::refuse(Entry& entry, const std::string& why, canopen::TimePoint no
   }
 }
 
+void Session::ask_watched(canopen::TimePoint now) {
+  std::vector<Subscription> watched = topics_.watched_subscriptions();
+  std::erase_if(watched, [this](const Subscription& each) { return place_->left_out.contains(each.filter); });
+  ask(Phase::watching, std::move(watched), now);
+}
+
 // All were answered once, or nobody waits for them any more.
-void Session::finish() {
+void Session::finish(canopen::TimePoint now) {
   const bool waits = std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
     return entry.state == Entry::State::asked && entry.pause == kFirstPause;
   });
-  if (phase_ == Phase::subscribing && !waits) {
+  if (waits) {
+    return;
+  }
+  if (phase_ == Phase::subscribing) {
+    ask_watched(now);
+  } else if (phase_ == Phase::watching) {
     phase_ = Phase::ready;
   }
 }

@@ -41,23 +41,25 @@ void StatusTopic::collect(bool online, canopen::TimePoint now, std::vector<Messa
   if (online_ && !changed && now < next()) {
     return;
   }
-  put_right_.told(now);
+  const bool first = !online_;
+  const bool puts_right = put_right_.told(now);
   if (changed) {
     echo_until_ = now + PutRight::kEcho;
   }
   online_ = online;
   published_ = now;
   Message message = offline();
+  message.puts_right = puts_right;
   if (online) {
     message.payload = online_text(true);
     message.expiry = expiry_of(*settings_);
-    message.after_all = after_all_;
   }
+  message.after_all = after_all_ && first;
   out.push_back(std::move(message));
 }
 
 Message StatusTopic::offline() const {
-  return {.topic = *topic_, .payload = online_text(false), .kind = MessageKind::status};
+  return {.topic = *topic_, .payload = online_text(false), .kind = MessageKind::status, .after_all = after_all_};
 }
 
 }  // namespace mqtt

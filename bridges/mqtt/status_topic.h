@@ -18,7 +18,8 @@ namespace mqtt {
 /// that.
 class StatusTopic {
  public:
-  /// `topic` and `settings` outlive it. `after_all`: `online` says that everything else is there.
+  /// `topic` and `settings` outlive it. `after_all`: the first `online` of a connection says that
+  /// everything else is there, and the last `offline` that nothing else comes.
   StatusTopic(const std::string& topic, const config::Mqtt& settings, bool after_all = false)
       : topic_(&topic), settings_(&settings), after_all_(after_all) {}
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/text/utf8.h"
+#include "bridges/text/json_text.h"
 
 namespace mqtt {
 namespace {
@@ -114,16 +114,25 @@ std::vector<Subscription> Topics::command_subscriptions() const {
           {root_ + "/stop", 1}};
 }
 
+Subscription Topics::tree_subscription() const {
+  // With QoS 0 nothing of it waits in the broker when it is given back.
+  return {.filter = root_ + "/#", .qos = 0, .bulk = true};
+}
+
 std::vector<Subscription> Topics::watched_subscriptions() const {
-  std::vector<Subscription> watched{{.filter = status_, .watched = true, .own_too = true},
-                                    {.filter = root_ + "/+/status", .watched = true},
-                                    {.filter = root_ + "/bus/+/alarm", .watched = true},
-                                    {.filter = alarms_, .watched = true}};
+  std::vector<Subscription> watched{
+      {.filter = status_, .watched = true, .own_too = true}, {.filter = root_ + "/+/status", .watched = true},
+      {.filter = root_ + "/bus/+/alarm", .watched = true},   {.filter = alarms_, .watched = true},
+      {.filter = health_, .watched = true, .kept = true},    {.filter = info_, .watched = true}};
   // Not `+/alarm/+`: that overlaps with a command's filter, so that both would come twice.
   for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
     watched.push_back({.filter = root_ + "/+/alarm/" + std::string(alarms::name_of(kind)), .watched = true});
   }
   return watched;
+}
+
+std::string_view Topics::below_root(std::string_view topic) const {
+  return below(topic, root_).value_or(std::string_view());
 }
 
 std::optional<Route> Topics::route(std::string_view topic) const {
@@ -140,6 +149,9 @@ std::optional<Route> Topics::route(std::string_view topic) const {
   }
   if (*rest == "alarms") {
     return Route{Route::Kind::alarm, {}, {}};
+  }
+  if (*rest == "health" || *rest == "info") {
+    return Route{Route::Kind::life, {}, {}};
   }
   if (*rest == "status") {
     return Route{Route::Kind::status, {}, {}};

@@ -25,8 +25,8 @@ struct DriveTopics {
 
 /// What a message is about, by its topic. Nothing in it is checked to exist.
 struct Route {
-  /// `alarm`, `status`: of ours, where somebody else may have written.
-  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm, status };
+  /// `alarm`, `status`: of ours, where somebody else may have written. `life`: where another gateway of our name shows.
+  enum class Kind : std::uint8_t { set_signal, set_drive, nmt, sdo, alive, stop_all, alarm, status, life };
   Kind kind = Kind::set_signal;
   std::string_view drive;   ///< A part of the topic; empty: all, or the gateway itself.
   std::string_view signal;  ///< Of set_signal.
@@ -49,8 +49,12 @@ class Topics {
 
   /// What commands come by, of any drive name: unknown ones are answered too.
   [[nodiscard]] std::vector<Subscription> command_subscriptions() const;
+  /// Everything below `B`, to look through what the broker keeps. It overlaps with all others.
+  [[nodiscard]] Subscription tree_subscription() const;
   /// Topics of alarms and statuses, where nobody but we should write.
   [[nodiscard]] std::vector<Subscription> watched_subscriptions() const;
+  /// What stands behind `B/`; empty where the topic is none of ours.
+  [[nodiscard]] std::string_view below_root(std::string_view topic) const;
   /// Of a topic that one of these subscriptions matches.
   [[nodiscard]] std::optional<Route> route(std::string_view topic) const;
   /// No answer goes there: it lies below `base`, where it could be taken for a command or for something that a gateway

@@ -1,7 +1,7 @@
 #include "bridges/mqtt/under_way.h"
 
-#include <optional>
 #include <string>
+#include <variant>
 
 #include "bridges/process/stop_all.h"
 #include "canopen/error.h"
@@ -37,6 +37,18 @@ process::Outcome outcome_of_all(const process::Plant& plant, const process::Writ
   return canopen::Error{.kind = missed.front().error.kind, .detail = "not confirmed: " + names};
 }
 
+boost::asio::awaitable<process::Outcome> write_fields(process::Drive& drive, process::Origin origin, Fields fields) {
+  process::Origin of_mistake = origin;
+  process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields.sound));
+  if (outcome.has_value() && fields.mistake) {
+    // The stop has lines of its own in the journal.
+    (void)drive.refuse(std::move(of_mistake), process::CommandRecord::Kind::write, *fields.mistake);
+    outcome.failure = std::move(fields.mistake);
+    outcome.failure->detail += "; the stop beside it was carried out";
+  }
+  co_return outcome;
+}
+
 }  // namespace
 
 void UnderWay::settle(const Asker& asker, const process::Outcome& outcome) {
@@ -65,48 +77,28 @@ void UnderWay::repeat(const ReplyTo& to, const Duplicates::Earlier& earlier) {
   }
 }
 
-boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, std::vector<process::FieldWrite> fields,
-                                          Asker asker) {
-  process::Origin of_mistake = origin;
-  process::Outcome outcome = co_await drive.write(std::move(origin), std::move(fields));
-  if (outcome.has_value() && asker.left_out) {
-    // The stop has lines of its own in the journal.
-    (void)drive.refuse(std::move(of_mistake), process::CommandRecord::Kind::write, *asker.left_out);
-    outcome.failure = std::move(asker.left_out);
-    outcome.failure->detail += "; the stop beside it was carried out";
-  }
-  under_way->settle(asker, outcome);
-}
-
-boost::asio::awaitable<void> stop_every_drive(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
-                                              process::Origin origin, Asker asker) {
-  const process::Writer writer = origin.writer;
-  const std::vector<process::NotStopped> missed = co_await process::stop_all(plant, std::move(origin));
-  under_way->settle(asker, outcome_of_all(plant, writer, missed));
-}
-
-boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                      process::Origin origin, canopen::NmtCommand nmt, Asker asker) {
-  const process::Outcome outcome = co_await drive.nmt(std::move(origin), nmt);
-  under_way->settle(asker, outcome);
-}
-
-boost::asio::awaitable<void> read_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive, SdoRequest request,
-                                         Asker asker) {
-  const Result<canopen::Raw> read = co_await drive.sdo_read(request.object, request.type);
-  if (read.has_error()) {
-    under_way->send(sdo_answer(asker.to, read.error(), request.type));
+boost::asio::awaitable<void> carry_out(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
+                                       process::Drive* drive, process::Origin origin, Asked asked, Asker asker) {
+  process::Outcome outcome;
+  if (drive == nullptr) {
+    const process::Writer writer = origin.writer;
+    const std::vector<process::NotStopped> missed = co_await process::stop_all(plant, std::move(origin));
+    outcome = outcome_of_all(plant, writer, missed);
+  } else if (auto* fields = std::get_if<Fields>(&asked)) {
+    outcome = co_await write_fields(*drive, std::move(origin), std::move(*fields));
+  } else if (const auto* nmt = std::get_if<canopen::NmtCommand>(&asked)) {
+    outcome = co_await drive->nmt(std::move(origin), *nmt);
   } else {
-    under_way->send(sdo_answer(asker.to, std::optional<canopen::Raw>(read.value()), request.type));
+    const auto request = std::get<SdoRequest>(asked);
+    if (!request.value) {
+      const Result<canopen::Raw> read = co_await drive->sdo_read(request.object, request.type);
+      under_way->send(sdo_answer(asker.to, read, request.type));
+      co_return;
+    }
+    const canopen::ObjectValue value{request.object, request.type, *request.value};
+    outcome = co_await drive->sdo_write(std::move(origin), value);
   }
-}
-
-boost::asio::awaitable<void> write_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, SdoRequest request, Asker asker) {
-  const canopen::ObjectValue value{request.object, request.type, *request.value};
-  const process::Outcome written = co_await drive.sdo_write(std::move(origin), value);
-  under_way->settle(asker, written);
+  under_way->settle(asker, outcome);
 }
 
 }  // namespace mqtt

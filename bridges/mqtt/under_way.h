@@ -6,12 +6,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bridges/mqtt/answers.h"
-#include "bridges/mqtt/command.h"
+#include "bridges/mqtt/asked.h"
 #include "bridges/mqtt/duplicates.h"
 #include "bridges/mqtt/message.h"
 #include "bridges/process/command.h"
@@ -25,7 +24,6 @@ namespace mqtt {
 struct Asker {
   ReplyTo to;
   Duplicates::Ticket ticket = Duplicates::kNone;
-  std::optional<canopen::Error> left_out{};  ///< A mistake beside a stop: told when that was carried out.
 };
 
 /// What the commands under way share with the requests, which they may outlive by the time a drive takes to stop.
@@ -67,18 +65,9 @@ struct UnderWay {
   canopen::Timer idle;                                 ///< Cancelled when the last one ended.
 };
 
-// Each waits for the outcome of one command and sends its answer. Parameters by value: what a coroutine refers to lives
-// in its frame, or longer than it.
-
-boost::asio::awaitable<void> write_fields(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, std::vector<process::FieldWrite> fields, Asker asker);
-boost::asio::awaitable<void> stop_every_drive(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
-                                              process::Origin origin, Asker asker);
-boost::asio::awaitable<void> send_nmt(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                      process::Origin origin, canopen::NmtCommand nmt, Asker asker);
-boost::asio::awaitable<void> read_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive, SdoRequest request,
-                                         Asker asker);
-boost::asio::awaitable<void> write_object(std::shared_ptr<UnderWay> under_way, process::Drive& drive,
-                                          process::Origin origin, SdoRequest request, Asker asker);
+/// Carries out one command, waits for its outcome and sends the answer. `drive` null: a stop of all. Parameters by
+/// value: what a coroutine refers to lives in its frame, or longer than it.
+boost::asio::awaitable<void> carry_out(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
+                                       process::Drive* drive, process::Origin origin, Asked asked, Asker asker);
 
 }  // namespace mqtt

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "bridges/text/json_text.h"
-
 namespace mqtt {
 namespace {
 
@@ -17,24 +15,15 @@ constexpr std::array kDecimalScales{1.0,     0.1,      0.01,      0.001,      0.
 constexpr unsigned kMaxDecimals = 17;
 
 // The digits of an integer with a point before the last `decimals`: exact for all 64 bits.
-void append_decimal(std::string& out, std::string digits, unsigned decimals) {
-  const bool negative = digits.front() == '-';
-  if (negative) {
-    digits.erase(0, 1);
-    out += '-';
+std::string with_point(std::string digits, unsigned decimals) {
+  const std::size_t sign = digits.starts_with('-') ? 1 : 0;
+  if (digits.size() - sign <= decimals) {
+    digits.insert(sign, sign + decimals + 1 - digits.size(), '0');
   }
-  if (digits.size() <= decimals) {
-    digits.insert(0, decimals + 1 - digits.size(), '0');
-  }
-  out.append(digits, 0, digits.size() - decimals);
   if (decimals > 0) {
-    out += '.';
-    out.append(digits, digits.size() - decimals, decimals);
+    digits.insert(digits.size() - decimals, 1, '.');
   }
-}
-
-bool is_zero(std::string_view digits) {
-  return digits.find_first_of("123456789") == std::string_view::npos;
+  return digits;
 }
 
 bool append_fixed(std::string& out, double value, unsigned decimals) {
@@ -45,7 +34,7 @@ bool append_fixed(std::string& out, double value, unsigned decimals) {
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed,
                                  static_cast<int>(std::min(decimals, kMaxDecimals)));
   std::string_view text(digits.data(), static_cast<std::size_t>(end.ptr - digits.data()));
-  if (text.front() == '-' && is_zero(text)) {
+  if (text.front() == '-' && text.find_first_of("123456789") == std::string_view::npos) {
     text.remove_prefix(1);  // -0.00 is 0.00
   }
   out += text;
@@ -55,7 +44,7 @@ bool append_fixed(std::string& out, double value, unsigned decimals) {
 bool append_scaled(std::string& out, const config::Signal& signal, canopen::Raw raw) {
   if (!canopen::is_real(signal.type)) {
     if (signal.decimals < kDecimalScales.size() && signal.scale == kDecimalScales.at(signal.decimals)) {
-      append_decimal(out, integer_text(signal.type, raw), signal.decimals);
+      out += with_point(integer_text(signal.type, raw), signal.decimals);
       return true;
     }
   } else if (signal.decimals == 0) {
@@ -64,17 +53,6 @@ bool append_scaled(std::string& out, const config::Signal& signal, canopen::Raw 
                                                  : text::append_number(out, value);
   }
   return append_fixed(out, canopen::to_number(signal.type, raw) * signal.scale, signal.decimals);
-}
-
-void append_name(std::string& out, const config::Signal& signal, canopen::Raw raw) {
-  const auto known = signal.values.find(static_cast<std::int64_t>(raw));
-  if (known != signal.values.end()) {
-    out += known->second;
-    return;
-  }
-  out += "unknown(";
-  out += integer_text(signal.type, raw);
-  out += ')';
 }
 
 }  // namespace
@@ -91,17 +69,28 @@ Shape shape_of(const config::Drive& drive, process::SignalId signal) {
 }
 
 bool append_value(std::string& out, const config::Signal& signal, Shape shape, canopen::Raw raw) {
-  switch (shape) {
-    case Shape::boolean:
-      out += raw != 0 ? "true" : "false";
-      return true;
-    case Shape::name:
-      append_name(out, signal, raw);
-      return true;
-    case Shape::number:
-      break;
+  if (shape == Shape::number) {
+    return append_scaled(out, signal, raw);
   }
-  return append_scaled(out, signal, raw);
+  if (shape == Shape::boolean) {
+    out += raw != 0 ? "true" : "false";
+    return true;
+  }
+  const auto known = signal.values.find(static_cast<std::int64_t>(raw));
+  out += known != signal.values.end() ? known->second : "unknown(" + integer_text(signal.type, raw) + ")";
+  return true;
+}
+
+void append_member(text::ObjectText& object, const config::Signal& signal, Shape shape,
+                   std::optional<canopen::Raw> raw) {
+  std::string text;
+  if (!raw || !append_value(text, signal, shape, *raw)) {
+    object.null(signal.name);
+  } else if (shape == Shape::name) {
+    object.text(signal.name, text);
+  } else {
+    object.key(signal.name) += text;
+  }
 }
 
 std::string integer_text(canopen::DataType type, canopen::Raw raw) {

@@ -57,6 +57,9 @@ awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields
   } else {
     outcome = co_await write_in_turn(command, std::move(fields), resolved.value());
   }
+  if (outcome.has_error()) {
+    last_written_ = command.written;
+  }
   finish(command, outcome);
   co_return outcome;
 }
@@ -263,9 +266,6 @@ void Commands::finish(const PendingCommand& command, Outcome& outcome) {
       last_refused_abort_ = failure.abort;
     } else if (failure.kind == ErrorKind::superseded || failure.kind == ErrorKind::voided) {
       last_refused_abort_ = 0;
-    }
-    if (command.record.kind == CommandRecord::Kind::write) {
-      last_written_ = command.written;
     }
   } else if (outcome.note.empty()) {
     outcome.note = command.note;

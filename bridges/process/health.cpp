@@ -16,43 +16,27 @@ std::string_view name_of(canopen::BusCondition condition) noexcept {
   return condition == canopen::BusCondition::error_active ? "active" : alarms::bus_reason(condition);
 }
 
-void append_text_or_null(text::ObjectText& object, std::string_view name, const std::optional<std::string>& value) {
-  if (value) {
-    object.text(name, *value);
-  } else {
-    object.null(name);
-  }
+std::optional<std::string_view> unless_empty(std::string_view text) {
+  return text.empty() ? std::nullopt : std::optional(text);
 }
 
-void append_buses(std::string& out, const std::vector<BusHealth>& buses) {
-  out += '[';
-  bool first = true;
-  for (const BusHealth& bus : buses) {
-    text::append_separator(out, first);
-    text::ObjectText object(out);
-    object.text("name", bus.name);
-    object.text("state", name_of(bus.condition));
-    object.number("load", bus.load);
-    object.close();
-  }
-  out += ']';
+void append_bus(std::string& out, const BusHealth& bus) {
+  text::ObjectText object(out);
+  object.text("name", bus.name);
+  object.text("state", name_of(bus.condition));
+  object.number("load", bus.load);
+  object.close();
 }
 
 void append_broker(text::ObjectText& object, const BrokerHealth& broker) {
-  append_text_or_null(object, "broker", broker.broker);
-  append_text_or_null(object, "protocol", broker.protocol);
-  std::string& refused = object.key("refused_subscriptions");
-  refused += '[';
-  bool first = true;
-  for (const std::string& filter : broker.refused) {
-    text::append_separator(refused, first);
-    text::append_quoted(refused, filter);
-  }
-  refused += ']';
-  append_text_or_null(object, "last_break",
-                      broker.last_break.empty() ? std::nullopt : std::optional(broker.last_break));
-  object.integer("messages_dropped", static_cast<std::int64_t>(broker.messages_dropped));
-  object.integer("answers_dropped", static_cast<std::int64_t>(broker.answers_dropped));
+  object.text("broker", broker.broker);
+  object.text("protocol", broker.protocol);
+  text::append_list(object.key("refused_subscriptions"), broker.refused, text::append_quoted);
+  object.text("last_break", unless_empty(broker.last_break));
+  object.text("another_instance", broker.other);
+  object.integer("put_right", broker.put_right);
+  object.integer("messages_dropped", broker.messages_dropped);
+  object.integer("answers_dropped", broker.answers_dropped);
 }
 
 // What is measured anew each time, and so tells nothing by being different.
@@ -90,20 +74,20 @@ std::string health_json(const Health& health) {
   std::string out;
   text::ObjectText object(out);
   object.text("ts", text::timestamp(health.ts));
+  object.text("instance", health.instance);
   if (!health.program.clock_set) {
     object.text("clock", "unset");
   }
   object.integer("uptime", std::chrono::floor<std::chrono::seconds>(health.program.uptime).count());
-  append_buses(object.key("buses"), health.buses);
-  object.integer("drives", static_cast<std::int64_t>(health.drives));
-  object.integer("drives_online", static_cast<std::int64_t>(health.online));
+  text::append_list(object.key("buses"), health.buses, append_bus);
+  object.integer("drives", health.drives);
+  object.integer("drives_online", health.online);
   if (health.broker) {
     append_broker(object, *health.broker);
   }
-  object.integer("log_messages_lost", static_cast<std::int64_t>(health.program.log_lost));
-  object.integer("memory", static_cast<std::int64_t>(health.program.memory));
-  append_text_or_null(object, "journal",
-                      health.program.journal.empty() ? std::nullopt : std::optional(health.program.journal));
+  object.integer("log_messages_lost", health.program.log_lost);
+  object.integer("memory", health.program.memory);
+  object.text("journal", unless_empty(health.program.journal));
   object.close();
   return out;
 }

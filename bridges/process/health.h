@@ -26,6 +26,8 @@ struct BrokerHealth {
   std::optional<std::string> protocol{};  ///< `5` or `3.1.1`; likewise.
   std::vector<std::string> refused{};     ///< Topic filters whose subscription does not stand.
   std::string last_break{};               ///< Why the last connection ended; empty: none did.
+  std::optional<std::string> other{};     ///< Instance of another gateway of this name; nothing: there is none.
+  std::uint64_t put_right = 0;            ///< Topics that others had overwritten.
   std::uint64_t messages_dropped = 0;
   std::uint64_t answers_dropped = 0;
   friend bool operator==(const BrokerHealth&, const BrokerHealth&) = default;
@@ -44,6 +46,7 @@ struct ProgramHealth {
 /// How the gateway is, for people and for what supervises it.
 struct Health {
   canopen::WallTime ts{};
+  std::string instance{};  ///< Of this life of the program.
   ProgramHealth program{};
   std::vector<BusHealth> buses{};
   std::size_t drives = 0;

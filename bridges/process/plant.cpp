@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "bridges/alarms/alarm_record.h"
@@ -9,18 +10,25 @@
 #include "bridges/process/observer.h"
 
 namespace process {
+namespace {
+
+constexpr std::string_view kOtherGatewayText = "another gateway of this name lives at the MQTT broker";
+
+}  // namespace
+
 class Plant::Body {
  public:
   struct Line {
     BusPort port;
-    canopen::BusState state;
-    alarms::AlarmRecord alarm;
+    canopen::BusState state{};
+    alarms::AlarmRecord alarm{};
+    bool told = false;  ///< The bus told its state.
   };
 
   Body(const boost::asio::any_io_executor& executor, const config::Model& plant_model, std::vector<BusPort> buses)
       : model(plant_model) {
     for (std::size_t i = 0; i < buses.size(); ++i) {
-      lines.push_back({std::move(buses[i]), {}, alarms::AlarmRecord()});
+      lines.push_back({.port = std::move(buses[i])});
     }
     for (std::size_t i = 0; i < model.drives.size(); ++i) {
       const config::Drive& drive = model.drives[i];
@@ -31,10 +39,13 @@ class Plant::Body {
     }
   }
 
-  void show(std::size_t bus, canopen::BusCondition condition) {
+  void show(std::size_t bus) {
+    const canopen::BusCondition condition = lines[bus].state.condition;
     alarms::AlarmRecord& alarm = lines[bus].alarm;
-    const bool active = condition != canopen::BusCondition::error_active;
-    if (!alarm.show(active, std::string(alarms::bus_reason(condition)), std::string(canopen::describe(condition)),
+    const bool disturbed = condition != canopen::BusCondition::error_active;
+    const bool other = !disturbed && other_gateway;
+    if (!alarm.show(disturbed || other, std::string(other ? alarms::kOtherGateway : alarms::bus_reason(condition)),
+                    std::string(other ? kOtherGatewayText : canopen::describe(condition)),
                     alarms::severity_of(condition), canopen::wall_now())) {
       return;
     }
@@ -61,6 +72,7 @@ class Plant::Body {
   }
 
   const config::Model& model;
+  bool other_gateway = false;
   std::vector<Observer*> observers;
   std::vector<Line> lines;
   std::vector<std::unique_ptr<Drive>> drives;
@@ -144,9 +156,19 @@ void Plant::restore_bus_alarm(std::size_t bus, const alarms::Alarm& before) {
 void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   Body::Line& line = body_->lines[bus];
   line.state = state;
-  body_->show(bus, state.condition);
+  line.told = true;
+  body_->show(bus);
   for (Observer* observer : body_->observers) {
     observer->on_bus(bus);
+  }
+}
+
+void Plant::set_other_gateway(bool lives) {
+  body_->other_gateway = lives;
+  for (std::size_t bus = 0; bus < body_->lines.size(); ++bus) {
+    if (body_->lines[bus].told) {
+      body_->show(bus);
+    }
   }
 }
 

@@ -58,6 +58,8 @@ class Plant {
   void restore_bus_alarm(std::size_t bus, const alarms::Alarm& before);
   /// The bus told so; drives hear it from the bus itself.
   void set_bus_state(std::size_t bus, const canopen::BusState& state);
+  /// Another gateway of our name lives, or does so no more: a warning of each bus that has nothing worse.
+  void set_other_gateway(bool lives);
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
   [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;
   [[nodiscard]] const alarms::Alarm& bus_alarm(std::size_t bus) const noexcept;

@@ -41,6 +41,10 @@ std::size_t commanded_by(const Plant& plant, const Writer& writer) {
 }
 
 boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin origin) {
+  if (commanded_by(plant, origin.writer) == 0) {
+    refuse_stop_all(plant, origin,
+                    {.kind = canopen::ErrorKind::forbidden, .detail = "a stop for all, and no drive takes commands"});
+  }
   const boost::asio::any_io_executor executor = co_await boost::asio::this_coro::executor;
   Round round(executor);
   for (std::size_t i = 0; i < plant.size(); ++i) {
@@ -60,6 +64,12 @@ boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin or
   }
   std::ranges::sort(round.not_stopped, {}, &NotStopped::drive);
   co_return std::move(round.not_stopped);
+}
+
+void refuse_stop_all(Plant& plant, const Origin& origin, const canopen::Error& why) {
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    (void)plant.drive(i).refuse(origin, CommandRecord::Kind::write, why);
+  }
 }
 
 }  // namespace process

@@ -20,9 +20,12 @@ struct NotStopped {
 [[nodiscard]] std::size_t commanded_by(const Plant& plant, const Writer& writer);
 
 /// One stop for all: the first stop value of its profile to every drive in service that takes commands of this writer,
-/// to all of them at once. Returns when each has answered, at the latest after the longest of their deadlines. Tells
-/// those that did not confirm; drives that do not name the writer are left alone and not told. `plant` outlives the
-/// call.
+/// to all of them at once. Where it is for none, each drive notes that it was refused. Returns when each has answered,
+/// at the latest after the longest of their deadlines. Tells those that did not confirm; drives that do not name the
+/// writer are left alone and not told. `plant` outlives the call.
 [[nodiscard]] boost::asio::awaitable<std::vector<NotStopped>> stop_all(Plant& plant, Origin origin);
+
+/// A stop for all that a bridge refuses by itself: each drive notes it, so that it stands in journal and log.
+void refuse_stop_all(Plant& plant, const Origin& origin, const canopen::Error& why);
 
 }  // namespace process

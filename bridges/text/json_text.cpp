@@ -2,17 +2,31 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <charconv>
 #include <cmath>
-
-#include "bridges/text/utf8.h"
+#include <utility>
 
 namespace text {
 namespace {
 
+namespace json = boost::json;
+
 bool stands_for_itself(char character) {
   return character >= ' ' && character <= '~' && character != '"' && character != '\\';
+}
+
+bool is_plain(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), stands_for_itself);
+}
+
+// Nothing where the text is no UTF-8: Boost.JSON looks for that when it reads, not when it writes.
+std::optional<std::string> quoted(std::string_view text) {
+  std::string written = json::serialize(json::string_view(text.data(), text.size()));
+  json::error_code failure;
+  (void)json::parse(written, failure);
+  return failure ? std::nullopt : std::optional(std::move(written));
 }
 
 template <class Real>
@@ -28,42 +42,54 @@ bool append_shortest(std::string& out, Real value) {
 
 }  // namespace
 
+bool is_utf8(std::string_view text) {
+  return is_plain(text) || quoted(text);
+}
+
 void append_quoted(std::string& out, std::string_view text) {
-  if (std::all_of(text.begin(), text.end(), stands_for_itself)) {
+  if (is_plain(text)) {
     out += '"';
     out += text;
     out += '"';
-    return;
+  } else if (const auto written = quoted(text)) {
+    out += *written;
+  } else {
+    std::string repaired(text);
+    std::replace_if(repaired.begin(), repaired.end(), [](char each) { return !stands_for_itself(each); }, '?');
+    append_quoted(out, repaired);
   }
-  if (is_utf8(text)) {
-    out += boost::json::serialize(boost::json::string_view(text.data(), text.size()));
-    return;
-  }
-  const std::string repaired = repaired_utf8(text);
-  out += boost::json::serialize(boost::json::string_view(repaired));
+}
+
+bool append_number(std::string& out, double value) {
+  return append_shortest(out, value);
+}
+
+bool append_number(std::string& out, float value) {
+  return append_shortest(out, value);
 }
 
 std::string& ObjectText::key(std::string_view name) {
-  append_separator(out_, first_);
+  out_ += first_ ? "" : ",";
+  first_ = false;
   append_quoted(out_, name);
   out_ += ':';
   return out_;
 }
 
-void ObjectText::text(std::string_view name, std::string_view value) {
-  append_quoted(key(name), value);
+void ObjectText::text(std::string_view name, std::optional<std::string_view> value) {
+  if (value) {
+    append_quoted(key(name), *value);
+  } else {
+    null(name);
+  }
 }
 
 void ObjectText::boolean(std::string_view name, bool value) {
   key(name) += value ? "true" : "false";
 }
 
-void ObjectText::integer(std::string_view name, std::int64_t value) {
-  key(name) += std::to_string(value);
-}
-
-void ObjectText::null(std::string_view name) {
-  key(name) += "null";
+void ObjectText::integer(std::string_view name, std::optional<std::int64_t> value) {
+  key(name) += value ? std::to_string(*value) : "null";
 }
 
 void ObjectText::number(std::string_view name, std::optional<double> value) {
@@ -73,19 +99,8 @@ void ObjectText::number(std::string_view name, std::optional<double> value) {
   }
 }
 
-void append_separator(std::string& out, bool& first) {
-  if (!first) {
-    out += ',';
-  }
-  first = false;
-}
-
-bool append_number(std::string& out, double value) {
-  return append_shortest(out, value);
-}
-
-bool append_number(std::string& out, float value) {
-  return append_shortest(out, value);
+void ObjectText::null(std::string_view name) {
+  key(name) += "null";
 }
 
 }  // namespace text

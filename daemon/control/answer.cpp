@@ -50,7 +50,7 @@ std::string told_outcome(std::string_view id, const process::Outcome& outcome) {
 }
 
 std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw raw) {
-  return mqtt::sdo_answer({.id = std::string(id)}, std::optional<canopen::Raw>(raw), type).payload;
+  return mqtt::sdo_answer({.id = std::string(id)}, raw, type).payload;
 }
 
 std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,

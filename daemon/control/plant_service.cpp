@@ -73,17 +73,6 @@ Result<mqtt::SdoRequest> sdo_request_of(const config::Drive& drive, const Reques
   return mqtt::sdo_request_of(members);
 }
 
-// The field of a command that makes it a stop, whatever stands beside it.
-std::vector<process::FieldWrite> stop_among(const Drive& drive, const mqtt::FlatObject& values) {
-  for (const auto& member : values) {
-    Result<std::vector<process::FieldWrite>> field = mqtt::fields_of(drive.model(), {member});
-    if (field.has_value() && drive.is_stop(field.value())) {
-      return std::move(field.value());
-    }
-  }
-  return {};
-}
-
 // Something beside the stop is no value of the drive: the stop is carried out, and what is wrong is told.
 awaitable<std::string> stop_all_the_same(Drive& drive, Asked asked, std::vector<process::FieldWrite> stop,
                                          Error wrong) {
@@ -102,17 +91,17 @@ awaitable<std::string> set(Plant& plant, Asked asked) {
   if (drive == nullptr) {
     co_return no_drive(asked);
   }
-  Result<std::vector<process::FieldWrite>> fields = mqtt::fields_of(drive->model(), asked.request.values);
-  if (fields.has_error()) {
-    std::vector<process::FieldWrite> stop = stop_among(*drive, asked.request.values);
-    if (stop.empty()) {
-      co_return refused(asked, *drive, Kind::write, fields.error());
+  mqtt::Fields fields = mqtt::fields_of(drive->model(), asked.request.values);
+  if (fields.mistake) {
+    std::erase_if(fields.sound, [drive](const process::FieldWrite& field) { return !drive->is_stop({&field, 1}); });
+    if (fields.sound.empty()) {
+      co_return refused(asked, *drive, Kind::write, *fields.mistake);
     }
-    std::string told = co_await stop_all_the_same(*drive, std::move(asked), std::move(stop), fields.error());
+    std::string told = co_await stop_all_the_same(*drive, std::move(asked), std::move(fields.sound), *fields.mistake);
     co_return told;
   }
   process::Origin origin = origin_of(asked);
-  const process::Outcome outcome = co_await drive->write(std::move(origin), std::move(fields.value()));
+  const process::Outcome outcome = co_await drive->write(std::move(origin), std::move(fields.sound));
   co_return told_outcome(asked.id, outcome);
 }
 
@@ -184,7 +173,8 @@ awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint star
 
 bool is_stop(Plant& plant, const Request& request) {
   const Drive* const drive = request.op == Op::set ? plant.find(request.drive) : nullptr;
-  return drive == nullptr ? request.op == Op::stop : !stop_among(*drive, request.values).empty();
+  return drive == nullptr ? request.op == Op::stop
+                          : drive->is_stop(mqtt::fields_of(drive->model(), request.values).sound);
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "bridges/text/json_text.h"
-
 namespace gateway::control {
 namespace {
 
@@ -38,25 +36,6 @@ Error no_request(std::string detail) {
   return {.kind = ErrorKind::type, .detail = std::move(detail)};
 }
 
-const Scalar* member_of(const FlatObject& members, std::string_view name) {
-  const auto found =
-      std::ranges::find(members, name, [](const auto& member) { return std::string_view(member.first); });
-  return found == members.end() ? nullptr : &found->second;
-}
-
-// The id as JSON text; nothing where it is neither a string nor a number.
-std::optional<std::string> id_of(const Scalar& id) {
-  if (id.kind == Scalar::Kind::number) {
-    return id.text;
-  }
-  if (id.kind != Scalar::Kind::string) {
-    return std::nullopt;
-  }
-  std::string quoted;
-  text::append_quoted(quoted, id.text);
-  return quoted;
-}
-
 std::optional<Error> refuse_members(const FlatObject& members, bool has_values, const OpNames& op) {
   const auto knows = [&op](std::string_view name) { return std::ranges::find(op.members, name) != op.members.end(); };
   std::string unknown = has_values && !knows(kValues) ? std::string(kValues) : std::string();
@@ -77,7 +56,7 @@ std::optional<Error> refuse_members(const FlatObject& members, bool has_values, 
 
 // Fills `text` from a member that has to be a string.
 std::optional<Error> take_text(const FlatObject& members, std::string_view name, std::string& text) {
-  const Scalar* const value = member_of(members, name);
+  const Scalar* const value = mqtt::find_member(members, name);
   if (value == nullptr) {
     return no_request("\"" + std::string(name) + "\" is missing");
   }
@@ -92,7 +71,7 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   if (auto refused = take_text(members, "object", request.object)) {
     return refused;
   }
-  if (member_of(members, "type") != nullptr) {
+  if (mqtt::find_member(members, "type") != nullptr) {
     if (auto refused = take_text(members, "type", request.type.emplace())) {
       return refused;
     }
@@ -100,7 +79,7 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   if (request.op == Op::sdo_read) {
     return std::nullopt;
   }
-  const Scalar* const value = member_of(members, "value");
+  const Scalar* const value = mqtt::find_member(members, "value");
   if (value == nullptr) {
     return no_request("\"value\" is missing");
   }
@@ -156,8 +135,8 @@ Line parse_line(std::string_view text) {
     return {.request = read.error()};
   }
   Line line{.request = Request{}};
-  if (const Scalar* const id = member_of(read.value().members, "id")) {
-    const std::optional<std::string> echoed = id_of(*id);
+  if (const Scalar* const id = mqtt::find_member(read.value().members, "id")) {
+    const std::optional<std::string> echoed = mqtt::echoed_id(*id);
     if (!echoed) {
       line.request = no_request("\"id\" is to be a string or a number");
       return line;

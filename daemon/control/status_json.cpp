@@ -4,8 +4,10 @@
 
 #include <chrono>
 #include <optional>
+#include <ranges>
 #include <string_view>
 
+#include "bridges/mqtt/payload.h"
 #include "bridges/mqtt/value_text.h"
 #include "bridges/text/json_text.h"
 #include "bridges/text/timestamp.h"
@@ -42,32 +44,14 @@ std::string boot_of(canopen::BootResult result) {
   return result == canopen::BootResult::ok ? "ok" : "not-booted";
 }
 
-// A value as its MQTT topic has it; a name is a string.
-void append_signal(ObjectText& object, const config::Drive& drive, process::SignalId id, canopen::Raw raw) {
-  const config::Signal& signal = drive.signals[id];
-  const mqtt::Shape shape = mqtt::shape_of(drive, id);
-  std::string text;
-  if (!mqtt::append_value(text, signal, shape, raw)) {
-    object.null(signal.name);
-  } else if (shape == mqtt::Shape::name) {
-    object.text(signal.name, text);
-  } else {
-    object.key(signal.name) += text;
-  }
-}
-
 void append_values(std::string& out, const process::Drive& drive, canopen::TimePoint now) {
   const config::Drive& model = drive.model();
   ObjectText object(out);
   for (std::size_t i = 0; i < model.signals.size(); ++i) {
     const auto id = static_cast<process::SignalId>(i);
-    if (!config::readable(model.signals[i].access)) {
-      continue;
-    }
-    if (drive.image().fresh(id, now)) {
-      append_signal(object, model, id, drive.image().raw(id));
-    } else {
-      object.null(model.signals[i].name);
+    if (config::readable(model.signals[i].access)) {
+      const auto raw = drive.image().fresh(id, now) ? std::optional(drive.image().raw(id)) : std::nullopt;
+      mqtt::append_member(object, model.signals[i], mqtt::shape_of(model, id), raw);
     }
   }
   object.close();
@@ -75,26 +59,14 @@ void append_values(std::string& out, const process::Drive& drive, canopen::TimeP
 
 // What was commanded and still counts: an RPDO would carry it along.
 void append_commanded(std::string& out, const process::Drive& drive) {
+  const config::Drive& model = drive.model();
   ObjectText object(out);
-  for (std::size_t i = 0; i < drive.model().signals.size(); ++i) {
+  for (std::size_t i = 0; i < model.signals.size(); ++i) {
     const auto id = static_cast<process::SignalId>(i);
-    if (const std::optional<canopen::Raw> known = drive.commanded().known(id)) {
-      append_signal(object, drive.model(), id, *known);
+    if (const auto known = drive.commanded().known(id)) {
+      mqtt::append_member(object, model.signals[i], mqtt::shape_of(model, id), known);
     }
   }
-  object.close();
-}
-
-void append_control(std::string& out, const process::ControlState& control) {
-  ObjectText object(out);
-  if (control.holder) {
-    object.text("holder", to_string(*control.holder));
-    object.text("since", text::timestamp(control.since));
-  } else {
-    object.null("holder");
-    object.null("since");
-  }
-  object.boolean("timeout", control.timeout);
   object.close();
 }
 
@@ -112,15 +84,10 @@ void append_alarm(std::string& out, std::string_view kind, const alarms::Alarm& 
 }
 
 void append_alarms(std::string& out, const process::Drive& drive) {
-  out += '[';
-  bool first = true;
-  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.known && alarm.active) {
-      text::append_separator(out, first);
-      append_alarm(out, alarms::name_of(kind), alarm);
-    }
-  }
-  out += ']';
+  const auto active = [&drive](alarms::AlarmKind kind) { return drive.alarm(kind).known && drive.alarm(kind).active; };
+  text::append_list(out, alarms::kAlarmKinds | std::views::filter(active), [&drive](std::string& to, auto kind) {
+    append_alarm(to, alarms::name_of(kind), drive.alarm(kind));
+  });
 }
 
 void append_bus(std::string& out, const process::Plant& plant, std::size_t index) {
@@ -159,7 +126,7 @@ void append_drive(std::string& out, const process::Plant& plant, std::size_t ind
   object.boolean("fresh", drive.image().all_fresh(now));
   append_values(object.key("values"), drive, now);
   append_commanded(object.key("commanded"), drive);
-  append_control(object.key("control"), drive.control());
+  object.key("control") += mqtt::control_json(drive.control());
   append_alarms(object.key("alarms"), drive);
   object.close();
 }
@@ -173,20 +140,10 @@ std::string status_json(const process::Plant& plant, canopen::TimePoint started,
   object.text("gateway", plant.model().gateway.name);
   object.text("version", GATEWAY_VERSION);
   object.key("uptime") += seconds(now - started);
-  std::string& buses = object.key("buses") += '[';
-  bool first = true;
-  for (std::size_t i = 0; i < plant.model().buses.size(); ++i) {
-    text::append_separator(buses, first);
-    append_bus(buses, plant, i);
-  }
-  buses += ']';
-  std::string& drives = object.key("drives") += '[';
-  first = true;
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    text::append_separator(drives, first);
-    append_drive(drives, plant, i, now);
-  }
-  drives += ']';
+  text::append_list(object.key("buses"), std::views::iota(std::size_t{0}, plant.model().buses.size()),
+                    [&plant](std::string& to, std::size_t i) { append_bus(to, plant, i); });
+  text::append_list(object.key("drives"), std::views::iota(std::size_t{0}, plant.size()),
+                    [&](std::string& to, std::size_t i) { append_drive(to, plant, i, now); });
   object.close();
   return out;
 }

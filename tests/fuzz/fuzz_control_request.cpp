@@ -29,7 +29,8 @@ void look_at(const Request& request) {
   const bool of_a_drive = request.op != Op::status && request.op != Op::stop;
   require(of_a_drive || (request.drive.empty() && request.values.empty()));
   require((request.op == Op::sdo_write) == request.value.has_value());
-  (void)mqtt::fields_of(drive, request.values);
+  const mqtt::Fields fields = mqtt::fields_of(drive, request.values);
+  require(fields.mistake || fields.sound.size() == request.values.size());
 }
 
 void read(std::string_view text) {

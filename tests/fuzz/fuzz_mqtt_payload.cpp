@@ -41,7 +41,8 @@ void commands(std::string_view text) {
   const mqtt::Parsed object = mqtt::parse_object_payload(text);
   if (object.members.has_value()) {
     const auto fields = mqtt::fields_of(drive, object.members.value());
-    answer(object, fields.has_error() ? canopen::Result<void>(fields.error()) : canopen::Result<void>());
+    answer(object, fields.mistake ? canopen::Result<void>(*fields.mistake) : canopen::Result<void>());
+    require(fields.mistake || fields.sound.size() == object.members.value().size());
     const auto request = mqtt::sdo_request_of(object.members.value());
     answer(object, request.has_error() ? canopen::Result<void>(request.error()) : canopen::Result<void>());
   }

@@ -25,7 +25,7 @@ server_name: "n$node"
 listen: "$node:4222"
 jetstream { store_dir: "$work/$node", max_mem: 64M, max_file: 64M }
 cluster { name: cluster, listen: "$node:6222", routes: ["nats://127.0.0.1:6222", "nats://127.0.0.2:6222", "nats://127.0.0.3:6222"] }
-mqtt { listen: "$node:$broker_port" }
+mqtt { listen: "$node:$broker_port", consumer_replicas: 1, consumer_memory_storage: true }
 CONFIGURATION
   GOMAXPROCS=1 launch "$node" nice -n 10 nats-server -c "$work/$node.conf"
 done
@@ -37,7 +37,7 @@ done
 # commanded TOPIC PAYLOAD: it is carried out, and the answer comes where all without a response topic come. While the
 # cluster elects it refuses who connects and subscribes, so it may take several times; then the answer tells of the first.
 commanded() {
-  mosquitto_rr -V 311 -h "$broker_host" -p "$broker_port" -W 10 -q 1 -t "$topics/$1" -e "$topics/result" -m "$2" |
+  mosquitto_rr -V 311 -h "$broker_host" -p "$broker_port" -W 10 -t "$topics/$1" -e "$topics/result" -m "$2" |
     grep '"ok":true'
 }
 # all_true FAULTY HEALTHY: what every node tells; the drives with and without a fault

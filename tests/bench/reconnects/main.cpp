@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
   const pid_t broker = fork();
   if (broker == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    mqtt::test::TinyBroker serves({.speaks_5 = true, .hates = "t/50"});
+    mqtt::test::TinyBroker serves({.speaks_5 = true, .patience = kMessages / 2});
     const std::uint16_t port = serves.port();
     if (write(port_pipe[1], &port, sizeof(port)) == sizeof(port)) {
       pause();

@@ -131,12 +131,59 @@ TEST_F(CommandLogTest, RefusalsAreTakenTogetherByTheirKind) {
     done(record({{.signal = 0, .asked = 1}}), failure(ErrorKind::forbidden));
   }
   EXPECT_EQ(taken().size(), 2U);
-  now_ += 1s;
+  now_ += 1min;
   done(record({{.signal = 0, .asked = 1}}), failure(ErrorKind::lease));
   const Lines lines = taken();
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines[0], "pump1: modbus 192.0.2.7: 19 more: refused forbidden");
   EXPECT_NE(lines[1].find("(id a41, and 19 before it)"), std::string::npos) << lines[1];
+}
+
+TEST_F(CommandLogTest, AModbusClientThatPollsWhatItIsRefusedIsALineAMinute) {
+  for (int i = 0; i < 600; ++i, now_ += 100ms) {
+    done(record({{.signal = 0, .asked = 1}}), failure(ErrorKind::forbidden));
+    done(record({{.signal = 0, .asked = 1}}, "192.0.2.8"), failure(ErrorKind::forbidden));
+  }
+  EXPECT_EQ(taken().size(), 2U) << "one for each address";
+  done(record({{.signal = 0, .asked = 1}}), failure(ErrorKind::forbidden));
+  const Lines lines = taken();
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0], "pump1: modbus 192.0.2.8: 599 more: refused forbidden");
+  EXPECT_NE(lines[1].find(", and 599 before it)"), std::string::npos) << lines[1];
+}
+
+TEST_F(CommandLogTest, ClientsThatChangeTheirAddressDoNotFillTheLog) {
+  for (int i = 0; i < 3000; ++i) {
+    done(record({{.signal = 0, .asked = 1}}, std::to_string(i)), failure(ErrorKind::forbidden));
+  }
+  EXPECT_EQ(taken().size(), 1001U);
+  now_ += 1min;
+  done(record({{.signal = 0, .asked = 5}}));
+  const Lines lines = taken();
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0], "all drives: other writers: 1999 more: refused forbidden");
+}
+
+TEST_F(CommandLogTest, RefusalsByOtherWaysAreALineASecond) {
+  for (int i = 0; i < 20; ++i, now_ += 100ms) {
+    CommandRecord made = record({{.signal = 0, .asked = 1}});
+    made.writer = {.way = process::Writer::Way::mqtt, .address = {}};
+    done(made, failure(ErrorKind::range));
+  }
+  EXPECT_EQ(taken().size(), 2U);
+}
+
+TEST_F(CommandLogTest, NamesWhatWasNoCommandToo) {
+  CommandRecord nmt = record({});
+  nmt.kind = CommandRecord::Kind::nmt;
+  done(nmt, failure(ErrorKind::type, "7 is no number of an NMT command"));
+  CommandRecord raw = record({});
+  raw.kind = CommandRecord::Kind::raw;
+  done(raw, failure(ErrorKind::unknown));
+  const Lines lines = taken();
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_TRUE(lines[0].starts_with("pump1: modbus 192.0.2.7: NMT (no command): refused type: 7 is no")) << lines[0];
+  EXPECT_TRUE(lines[1].starts_with("pump1: modbus 192.0.2.7: object (no request): refused unknown")) << lines[1];
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST_F(RefusedWrites, AnAddressThatTakesNoValueIsNoted) {
 
 TEST_F(RefusedWrites, ANumberThatIsNoNmtCommandIsNoted) {
   EXPECT_EQ(ask("06 03fc 0007"), "86 03");
-  EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: type, no number of an NMT command"});
+  EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: type, register 1020 takes 1, 2, 128, 129 or 130, not 7"});
   EXPECT_EQ(lines_.kinds, std::vector<Kind>{Kind::nmt});
 }
 
@@ -87,6 +87,33 @@ TEST_F(RefusedClients, AClientThatMayNotWriteIsNoted) {
   EXPECT_EQ(ask("06 012c 1388"), "86 01");
   EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: forbidden, [modbus] write_from does not name it"});
   EXPECT_TRUE(site_.puppet().written.empty());
+}
+
+TEST_F(RefusedClients, AStopForAllOfAClientThatMayNotWriteIsNotedByEachDrive) {
+  for (const std::uint8_t unit : {std::uint8_t{0}, std::uint8_t{255}}) {
+    lines_.told.clear();
+    EXPECT_EQ(site_.ask(site_.client(), unit, "06 0014 0001"), "86 01");
+    EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: forbidden, [modbus] write_from does not name it"});
+    EXPECT_EQ(site_.ask(site_.client(), unit, "06 0014 0000"), "86 01");
+    EXPECT_EQ(site_.ask(site_.client(), unit, "06 0015 0001"), "86 01");
+    EXPECT_EQ(lines_.told.size(), 1U) << "these would have stopped nothing";
+  }
+}
+
+class RefusedByAll : public RefusedWrites {
+ protected:
+  static config::Model without_writers() {
+    config::Model model = example_model();
+    model.drives[0].commands.writers = {};
+    return model;
+  }
+  RefusedByAll() : RefusedWrites(without_writers()) {}
+};
+
+TEST_F(RefusedByAll, AStopForAllThatNoDriveTakesIsNotedByEach) {
+  EXPECT_EQ(site_.ask(site_.client(), 0, "06 0014 0001"), "86 01");
+  ASSERT_EQ(lines_.told.size(), 1U);
+  EXPECT_TRUE(lines_.told[0].starts_with("127.0.0.1: forbidden, ")) << lines_.told[0];
 }
 
 }  // namespace

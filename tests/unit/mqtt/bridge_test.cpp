@@ -206,8 +206,9 @@ TEST(MqttBridge, AnOrderlyEndSetsEveryStatusToOffline) {
   site.connect();
   site.stop_bridge();
   ASSERT_GE(site.broker().last_words.size(), 2U);
-  EXPECT_EQ(site.broker().last_words.back(),
-            (Message{.topic = "canopen/line3/status", .payload = "offline", .kind = MessageKind::status}));
+  EXPECT_EQ(
+      site.broker().last_words.back(),
+      (Message{.topic = "canopen/line3/status", .payload = "offline", .kind = MessageKind::status, .after_all = true}));
   EXPECT_EQ(site.broker().last_words[site.broker().last_words.size() - 2],
             (Message{.topic = "canopen/line3/pump1/status", .payload = "offline", .kind = MessageKind::status}));
   EXPECT_FALSE(site.bridge().connected());

@@ -93,6 +93,36 @@ TEST_F(BrokerFaults, AnAnswerThatTheBrokerClosesOnIsTriedOnceMoreAtMost) {
   EXPECT_TRUE(is_said("answers dropped"));
 }
 
+TEST_F(BrokerFaults, ATopicThatTheBrokerClosesOnIsHeldBackAndAllElseIsPublished) {
+  constexpr std::size_t kTopics = 40;
+  TinyBroker broker({.speaks_5 = true, .hates = "t20"});
+  make(settings(broker.port()));
+  std::size_t opened = 0;
+  ASSERT_TRUE(run_until([&] {
+    if (connections.size() > opened) {  // as the bridge does: everything again
+      opened = connections.size();
+      std::vector<Message> batch;
+      for (std::size_t i = 0; i < kTopics; ++i) {
+        batch.push_back({.topic = "t" + std::to_string(i), .payload = "1"});
+      }
+      batch.push_back(
+          {.topic = "status", .payload = "online", .kind = MessageKind::status, .retained = true, .after_all = true});
+      publisher->publish(std::move(batch));
+      open();
+    }
+    return has(broker, "status=online");
+  }));
+  EXPECT_LE(connections.size(), 3U);
+  for (std::size_t i = 0; i < kTopics; ++i) {
+    EXPECT_EQ(has(broker, "t" + std::to_string(i) + "=1"), i != 20) << i;
+  }
+  EXPECT_EQ(publisher->counts().messages_dropped, 1U);
+  EXPECT_TRUE(is_said("where t20 is published"));
+  publisher->publish({{.topic = "t20", .payload = "1"}, {.topic = "t21", .payload = "2"}});
+  ASSERT_TRUE(run_until([&] { return has(broker, "t21=2"); }));
+  EXPECT_EQ(disconnections, connections.size() - 1) << "the last one stands";
+}
+
 TEST_F(BrokerFaults, ABrokerThatClosesOnMqtt5IsAskedFor311TheSecondTime) {
   TinyBroker broker({.closes_on_5 = true});
   make(settings(broker.port()));

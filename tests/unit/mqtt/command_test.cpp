@@ -41,6 +41,9 @@ TEST(Command, NumbersAreEngineeringUnits) {
   EXPECT_EQ(value_of(test::kFrequencyCommand, "49.97"), Value(49.97));
   EXPECT_EQ(value_of(test::kFrequencyCommand, " 30\n"), Value(30.0));
   EXPECT_EQ(value_of(test::kFrequencyCommand, "1e1"), Value(10.0));
+  EXPECT_EQ(value_of(test::kFrequencyCommand, "050"), Value(50.0)) << "plain text need not be JSON";
+  EXPECT_EQ(value_of(test::kFrequencyCommand, ".5"), Value(0.5));
+  EXPECT_EQ(value_of(test::kFrequencyCommand, "5."), Value(5.0));
   EXPECT_EQ(value_of(test::kFrequencyCommand, R"({"value":49.97,"id":"a1"})"), Value(49.97));
   EXPECT_EQ(value_of(test::kControlCommand, "-1"), Value(-1.0)) << "the arbiter knows the range";
 }
@@ -105,19 +108,27 @@ TEST(Command, SetTakesSeveralSignalsInTheirOrder) {
   EXPECT_EQ(parsed.id_text, "a2");
   EXPECT_EQ(parse_object_payload(R"({"id":7})").id_text, "7");
   const auto fields = fields_of(kPump, parsed.members.value());
-  ASSERT_TRUE(fields.has_value());
-  ASSERT_EQ(fields.value().size(), 3U);
-  EXPECT_EQ(fields.value()[0].signal, test::kFrequencyCommand);
-  EXPECT_EQ(fields.value()[0].value, Value(30.0));
-  EXPECT_EQ(fields.value()[1].signal, test::kMode);
-  EXPECT_EQ(fields.value()[2].value, Value(Raw{1}));
+  ASSERT_FALSE(fields.mistake);
+  ASSERT_EQ(fields.sound.size(), 3U);
+  EXPECT_EQ(fields.sound[0].signal, test::kFrequencyCommand);
+  EXPECT_EQ(fields.sound[0].value, Value(30.0));
+  EXPECT_EQ(fields.sound[1].signal, test::kMode);
+  EXPECT_EQ(fields.sound[2].value, Value(Raw{1}));
 }
 
 TEST(Command, SetNamesWhatIsWrong) {
   const auto unknown = fields_of(kPump, {{"speed", {Scalar::Kind::number, "1"}}});
-  EXPECT_EQ(unknown.error().kind, ErrorKind::unknown);
-  EXPECT_NE(unknown.error().detail.find("speed"), std::string::npos);
-  EXPECT_EQ(fields_of(kPump, {}).error().kind, ErrorKind::type);
+  ASSERT_TRUE(unknown.mistake);
+  EXPECT_EQ(unknown.mistake->kind, ErrorKind::unknown);
+  EXPECT_NE(unknown.mistake->detail.find("speed"), std::string::npos);
+  ASSERT_TRUE(fields_of(kPump, {}).mistake);
+  EXPECT_EQ(fields_of(kPump, {}).mistake->kind, ErrorKind::type);
+  const auto two = fields_of(kPump, {{"brake", {Scalar::Kind::null, "null"}},
+                                     {"mode", {Scalar::Kind::string, "torque"}},
+                                     {"speed", {Scalar::Kind::number, "1"}}});
+  EXPECT_EQ(two.mistake->kind, ErrorKind::type) << "the first of both";
+  ASSERT_EQ(two.sound.size(), 1U);
+  EXPECT_EQ(two.sound[0].signal, test::kMode);
 }
 
 TEST(Command, NmtByName) {

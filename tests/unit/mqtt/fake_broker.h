@@ -19,8 +19,19 @@ class FakeBroker final : public Broker {
  public:
   void start(BrokerEvents& to_events) override { events = &to_events; }
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) override {
+    if (connection != subscribed_on) {
+      subscribed.clear();
+      unanswered.clear();
+    }
     subscribed_on = connection;
-    subscribed = std::move(subscriptions);
+    subscribed.insert(subscribed.end(), subscriptions.begin(), subscriptions.end());
+    unanswered.insert(unanswered.end(), subscriptions.begin(), subscriptions.end());
+  }
+  void unsubscribe(ConnectionId connection, std::vector<std::string> filters) override {
+    unsubscribed_on = connection;
+    for (std::string& filter : filters) {
+      unsubscribed.push_back(std::move(filter));
+    }
   }
   void publish(std::vector<Message> batch) override {
     ++batches;
@@ -32,6 +43,12 @@ class FakeBroker final : public Broker {
     }
   }
   void open(ConnectionId connection) override { opened = connection; }
+  /// The test tells on_disconnected() itself.
+  void drop(ConnectionId connection, std::string why) override {
+    dropped = connection;
+    dropped_why = std::move(why);
+  }
+  void suspect_takeover(ConnectionId connection) override { suspected = connection; }
   [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
@@ -43,13 +60,21 @@ class FakeBroker final : public Broker {
     co_return;
   }
 
-  /// Answers every subscription of the last subscribe().
-  void answer_subscriptions(const std::optional<std::string>& refused = std::nullopt) const {
-    for (const Subscription& each : subscribed) {
-      events->on_subscribed({.filter = each.filter, .refused = refused});
+  /// Answers every subscription that is not answered, and those that are asked for then: with `refused` all of them, or
+  /// `only` this one. The look through the tree is refused, so that no time has to pass.
+  void answer_subscriptions(const std::optional<std::string>& refused = std::nullopt, const std::string& only = {}) {
+    while (!unanswered.empty()) {
+      const std::vector<Subscription> asked = std::exchange(unanswered, {});
+      for (const Subscription& each : asked) {
+        Subscribed answer{.filter = each.filter};
+        if (each.bulk || only.empty() || each.filter == only) {
+          answer.refused = each.bulk ? refused.value_or("no look") : refused;
+        }
+        events->on_subscribed(answer);
+      }
     }
   }
-  /// What was last subscribed with this filter; one without a filter where nothing was.
+  /// What was subscribed with this filter on this connection; one without a filter where nothing was.
   [[nodiscard]] Subscription subscription(const std::string& filter) const {
     for (const Subscription& each : subscribed) {
       if (each.filter == filter) {
@@ -86,11 +111,17 @@ class FakeBroker final : public Broker {
 
   BrokerEvents* events = nullptr;
   ConnectionId subscribed_on = 0;
-  std::vector<Subscription> subscribed;
+  std::vector<Subscription> subscribed;  ///< On this connection.
+  std::vector<Subscription> unanswered;  ///< Of them.
+  ConnectionId unsubscribed_on = 0;
+  std::vector<std::string> unsubscribed;  ///< Since the start.
   std::vector<Message> published;
   std::map<std::string, std::string> retained;
   std::size_t batches = 0;
   ConnectionId opened = 0;
+  ConnectionId dropped = 0;
+  std::string dropped_why;
+  ConnectionId suspected = 0;  ///< Of a take-over.
   std::vector<Message> last_words;
   std::function<void()> while_stopping;  ///< What happens while the last words leave.
   bool stopped = false;

@@ -5,52 +5,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <future>
-#include <memory>
 #include <string>
 
 #include "bridges/mqtt/publisher.h"
-#include "tests/unit/mqtt/publisher_fixture.h"
+#include "tests/unit/mqtt/on_mosquitto.h"
 
 namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
 using support::Mosquitto;
+using test::output_of;
 
-// What a program writes; the commands here end by themselves (-W).
-std::string output_of(const std::string& command) {
-  const std::unique_ptr<FILE, decltype(&pclose)> pipe(popen(command.c_str(), "r"), &pclose);
-  std::string output;
-  std::array<char, 4096> buffer{};
-  while (pipe && fgets(buffer.data(), buffer.size(), pipe.get()) != nullptr) {
-    output += buffer.data();
-  }
-  return output;
-}
-
-class OnMosquitto : public test::PublisherFixture {
- protected:
-  void SetUp() override { ASSERT_TRUE(broker_.start()) << "is mosquitto installed?"; }
-
-  [[nodiscard]] std::string at() const { return " -h 127.0.0.1 -p " + std::to_string(broker_.port()) + " "; }
-  /// What the broker keeps there: `1 payload`, nothing where it keeps none.
-  [[nodiscard]] std::string retained(const std::string& topic) const {
-    return output_of("mosquitto_sub -V 5 -W 1 -C 1 -F '%r %p'" + at() + "-t " + topic + " 2>/dev/null");
-  }
-  [[nodiscard]] bool is_retained(const std::string& topic, const std::string& payload) {
-    return run_until([&] { return retained(topic) == "1 " + payload + "\n"; });
-  }
-  void publish_with(const std::string& options) {
-    EXPECT_EQ(output_of("mosquitto_pub" + at() + options + " 2>&1"), "");
-  }
-  void open() { publisher->open(connections.back()); }
-
-  Mosquitto broker_;
-};
+class OnMosquitto : public test::OnMosquitto {};
 
 TEST_F(OnMosquitto, SpeaksMqtt5AndPublishesRetained) {
   make(settings(broker_.port()));
@@ -115,6 +84,44 @@ TEST_F(OnMosquitto, ARetainedCommandIsKnownAsSuchEvenWhenItIsPublishedNow) {
   ASSERT_TRUE(run_until([this] { return messages.size() >= 2; }));
   EXPECT_EQ(messages[1].payload, "now");
   EXPECT_TRUE(messages[1].retained) << "Retain As Published";
+}
+
+TEST_F(OnMosquitto, WhatIsUnsubscribedComesNoMore) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  ASSERT_TRUE(subscribe({{"a/#", 1}, {"b/#", 1}, {"a/watched", 1, true}}));
+  publish_with("-q 1 -t a/x -m 1");
+  ASSERT_TRUE(run_until([this] { return has_message("a/x"); }));
+  publisher->unsubscribe(connections.back() + 1, {"b/#"});  // of another connection
+  publisher->unsubscribe(connections.back(), {"a/#", "a/watched"});
+  ASSERT_TRUE(subscribe({{"c", 1}})) << "granted behind it";
+  messages.clear();
+  publish_with("-q 1 -t a/x -m 2");
+  publish_with("-q 1 -t a/watched -m 2");
+  publish_with("-q 1 -t b/x -m 2");
+  ASSERT_TRUE(run_until([this] { return has_message("b/x"); }));
+  EXPECT_EQ(messages.size(), 1U);
+  ASSERT_TRUE(subscribe({{"a/#", 1}})) << "and again";
+  publish_with("-q 1 -t a/x -m 3");
+  EXPECT_TRUE(run_until([this] { return has_message("a/x"); }));
+}
+
+TEST_F(OnMosquitto, AConnectionThatIsDroppedIsEndedInOrderAndMadeAgain) {
+  make(settings(broker_.port()));
+  ASSERT_TRUE(connected());
+  publisher->publish({{.topic = "canopen/line3/status", .payload = "online"}});
+  open();
+  ASSERT_TRUE(is_retained("canopen/line3/status", "online"));
+  publisher->drop(connections.back() + 1, "of another connection");
+  publisher->drop(connections.back(), "enough of it");
+  ASSERT_TRUE(connected(2));
+  EXPECT_EQ(reasons, std::vector<std::string>{"enough of it"});
+  EXPECT_TRUE(std::ranges::any_of(
+      notices, [](const std::string& text) { return text.find("enough of it; trying again") != std::string::npos; }));
+  EXPECT_TRUE(is_retained("canopen/line3/status", "offline")) << "until the next one says otherwise";
+  publisher->drop(connections.front(), "it is gone already");
+  ASSERT_TRUE(subscribe({{"x", 1}}));
+  EXPECT_EQ(disconnections, 1U);
 }
 
 TEST_F(OnMosquitto, EchoesCorrelationDataOfAnyBytes) {

@@ -5,27 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "bridges/mqtt/client.h"
+#include "bridges/mqtt/traffic.h"
+#include "tests/unit/mqtt/messages.h"
 
 namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
+using test::alarm;
+using test::answer;
+using test::status;
+using test::value;
 using Texts = std::vector<std::string>;
-
-Message value(std::string topic, std::string payload) {
-  return {.topic = std::move(topic), .payload = std::move(payload)};
-}
-Message alarm(std::string topic, std::string payload) {
-  return {.topic = std::move(topic), .payload = std::move(payload), .kind = MessageKind::alarm};
-}
-Message status(std::string topic, std::string payload, bool after_all = false) {
-  return {
-      .topic = std::move(topic), .payload = std::move(payload), .kind = MessageKind::status, .after_all = after_all};
-}
-Message answer(std::string payload) {
-  return {.topic = "reply", .payload = std::move(payload), .kind = MessageKind::answer, .retained = false};
-}
 
 class OutboxTest : public testing::Test {
  protected:
@@ -99,6 +90,40 @@ TEST_F(OutboxTest, OnlineDoesNotWaitForWhatCameLater) {
   push({status("B", "online", true)});
   push({value("v", "1")});
   EXPECT_EQ(drain(), (Texts{"B=online", "v=1"}));
+}
+
+TEST_F(OutboxTest, OnlineWaitsForAllOfItsBatchWhereItWaitedAlready) {
+  outbox_.forget_retained();
+  push({status("B", "online"), value("v", "1")});  // behind the break, which is not known yet
+  push({value("info", "1"), value("v", "2"), status("B", "online", true)});
+  EXPECT_EQ(drain(), (Texts{"v=2", "info=1", "B=online"}));
+  push({value("v", "1"), status("B", "online", true)});
+  push({value("v", "2"), value("w", "1"), status("B", "online", true)});
+  EXPECT_EQ(drain(), (Texts{"v=2", "w=1", "B=online"}));
+}
+
+TEST_F(OutboxTest, WhatReplacesOnlineWaitsNoLessAndNoLonger) {
+  push({value("v", "1"), status("B", "online", true)});
+  push({value("w", "1"), status("B", "online")});
+  EXPECT_EQ(drain(), (Texts{"v=1", "B=online", "w=1"}));
+  push({value("v", "1"), status("B", "online")});
+  EXPECT_EQ(drain(), (Texts{"B=online", "v=1"})) << "only what says so goes after all";
+}
+
+TEST_F(OutboxTest, TheLastWordComesLast) {
+  push({value("x", "1"), status("B", "online")});
+  push({value("v", "null"), status("pump1", "offline"), status("B", "offline", true)});
+  EXPECT_EQ(drain(), (Texts{"pump1=offline", "x=1", "v=null", "B=offline"}));
+}
+
+TEST_F(OutboxTest, WhatIsNextIsKnownBefore) {
+  EXPECT_EQ(outbox_.front(now_), nullptr);
+  push({answer("old"), status("B", "online", true), value("v", "1")});
+  EXPECT_EQ(outbox_.front(now_)->payload, "old");
+  now_ += Outbox::kAnswerAge + 1ms;
+  EXPECT_EQ(outbox_.front(now_)->payload, "online") << "an answer that is too old is none";
+  EXPECT_EQ(outbox_.pop(now_)->message.payload, "online");
+  EXPECT_EQ(outbox_.size(), 1U);
 }
 
 TEST_F(OutboxTest, ATopicThatChangesItsKindKeepsItsPlace) {

@@ -40,7 +40,8 @@ PlantSite::PlantSite(config::Model model, const std::optional<alarms::Alarm>& em
       bus_(loop_.executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}),
       plant_(loop_.executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}),
       broker_(new FakeBroker),
-      bridge_(loop_.executor(), plant_, *model_.mqtt, model_.gateway, "1.2.3", std::unique_ptr<Broker>(broker_),
+      bridge_(loop_.executor(), plant_, *model_.mqtt, model_.gateway, "1.2.3", "00112233aabbccdd",
+              std::unique_ptr<Broker>(broker_),
               [this](Level, std::string text) { notices_.push_back(std::move(text)); }),
       values_{0, 0, 0, 0, 3, 0, 0} {
   fill_dictionary(puppet_);

@@ -40,7 +40,7 @@ class PutRight : public test::PublisherFixture {
     auto publisher_of_bridge = std::make_unique<Publisher>(
         context.get_executor(), settings(broker_.port()), [this](Level, std::string text) { notices.push_back(text); });
     bridge_ = std::make_unique<Bridge>(context.get_executor(), plant_, *model_.mqtt, model_.gateway, "1.2.3",
-                                       std::move(publisher_of_bridge),
+                                       "00112233aabbccdd", std::move(publisher_of_bridge),
                                        [this](Level, std::string text) { notices.push_back(text); });
     plant_.add(*bridge_);
     bridge_->start();

@@ -39,8 +39,8 @@ RestartSite::Gateway::Gateway(support::HandDrivenLoop& loop, canopen::VirtualBus
       plant(loop.executor(), model, {{&bus, [this] { return bus.statistics(); }}}),
       bus_state(bus.subscribe_state([this](const canopen::BusState& state) { plant.set_bus_state(0, state); })),
       broker(new FakeBroker),
-      bridge(loop.executor(), plant, *model.mqtt, model.gateway, "1.2.3", std::unique_ptr<Broker>(broker),
-             [](Level, const std::string&) {}) {
+      bridge(loop.executor(), plant, *model.mqtt, model.gateway, "1.2.3", "00112233aabbccdd",
+             std::unique_ptr<Broker>(broker), [](Level, const std::string&) {}) {
   broker->retained = retained;
 }
 

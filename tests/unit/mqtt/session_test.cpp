@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/unit/mqtt/fake_broker.h"
@@ -16,29 +17,41 @@ using Phase = Session::Phase;
 
 class SessionTest : public testing::Test {
  protected:
-  /// All are granted but this one.
+  /// A connection that may not look through the tree.
+  void connect(ConnectionId connection, canopen::TimePoint at) {
+    session_.connected({.id = connection, .broker = "b:1883"}, at);
+    if (session_.phase() == Phase::looking) {
+      broker_.unanswered.clear();
+      session_.subscribed({.filter = kTree, .refused = "no"}, at);
+      notices_.clear();
+    }
+  }
+  /// All that is asked is granted but this one, and what is asked then.
   void answer(const std::string& refused = {}, const std::string& why = "Not authorized (0x87)") {
-    for (const Subscription& each : std::vector(broker_.subscribed)) {
-      Subscribed answer{.filter = each.filter};
-      if (each.filter == refused) {
-        answer.refused = why;
+    while (!broker_.unanswered.empty()) {
+      for (const Subscription& each : std::exchange(broker_.unanswered, {})) {
+        Subscribed answer{.filter = each.filter};
+        if (each.filter == refused) {
+          answer.refused = why;
+        }
+        session_.subscribed(answer, now_);
       }
-      session_.subscribed(answer, now_);
     }
   }
   /// Filters that are subscribed to when time has come so far.
   std::vector<std::string> asked_at(canopen::TimePoint at) {
     now_ = at;
-    broker_.subscribed.clear();
+    broker_.unanswered.clear();
     session_.tick(at);
     std::vector<std::string> filters;
-    for (const Subscription& each : broker_.subscribed) {
+    for (const Subscription& each : broker_.unanswered) {
       filters.push_back(each.filter);
     }
     return filters;
   }
 
   using Filters = std::vector<std::string>;
+  static constexpr const char* kTree = "canopen/line3/#";
   static constexpr const char* kStop = "canopen/line3/stop";
   config::Model model_ = test::model();
   Topics topics_{model_, *model_.mqtt, "line3"};
@@ -49,10 +62,15 @@ class SessionTest : public testing::Test {
   canopen::TimePoint now_ = start_;
 };
 
-TEST_F(SessionTest, SubscribesToCommandsAndToWhatOthersWriteOnAlarmsAndStatuses) {
-  session_.connected(1, start_);
+TEST_F(SessionTest, SubscribesToCommandsAndThenToWhatOthersWriteOnAlarmsAndStatuses) {
+  connect(1, start_);
   EXPECT_EQ(session_.phase(), Phase::subscribing);
   EXPECT_EQ(broker_.subscribed_on, 1U);
+  for (const Subscription& each : std::exchange(broker_.unanswered, {})) {
+    EXPECT_FALSE(each.watched) << each.filter << ": a broker may close the connection for it";
+    session_.subscribed({.filter = each.filter}, start_);
+  }
+  EXPECT_EQ(session_.phase(), Phase::watching);
   for (const char* filter : {"+/set", "+/+/set", "+/sdo/request", "+/control/alive", "stop"}) {
     EXPECT_EQ(broker_.subscription("canopen/line3/" + std::string(filter)).watched, false) << filter;
   }
@@ -68,26 +86,25 @@ TEST_F(SessionTest, SubscribesToCommandsAndToWhatOthersWriteOnAlarmsAndStatuses)
 }
 
 TEST_F(SessionTest, IsReadyWhenTheLastOneIsAnswered) {
-  session_.connected(1, start_);
-  const std::vector<Subscription> all = broker_.subscribed;
-  for (const Subscription& each : all) {
-    EXPECT_FALSE(session_.ready());
-    session_.subscribed({.filter = each.filter}, start_);
+  connect(1, start_);
+  while (!broker_.unanswered.empty()) {
+    for (const Subscription& each : std::exchange(broker_.unanswered, {})) {
+      EXPECT_FALSE(session_.ready());
+      session_.subscribed({.filter = each.filter}, start_);
+    }
   }
   EXPECT_TRUE(session_.ready());
 }
 
 TEST_F(SessionTest, AnAnswerThatNeverComesHoldsNothingUpAndIsSaid) {
-  session_.connected(1, start_);
-  for (const Subscription& each : std::vector(broker_.subscribed)) {
-    if (each.filter != kStop) {
-      session_.subscribed({.filter = each.filter}, start_);
-    }
-  }
+  connect(1, start_);
+  std::erase_if(broker_.unanswered, [](const Subscription& each) { return each.filter == kStop; });
+  answer();
   EXPECT_EQ(asked_at(start_ + Session::kSubscribePatience - 1ms), Filters{});
   EXPECT_FALSE(session_.ready());
   EXPECT_EQ(session_.deadline(), start_ + Session::kSubscribePatience);
-  EXPECT_EQ(asked_at(start_ + Session::kSubscribePatience), Filters{});
+  EXPECT_EQ(asked_at(start_ + Session::kSubscribePatience).size(), topics_.watched_subscriptions().size());
+  answer();
   EXPECT_TRUE(session_.ready());
   EXPECT_EQ(session_.refused(), Filters{kStop});
   ASSERT_EQ(notices_.size(), 1U);
@@ -95,7 +112,7 @@ TEST_F(SessionTest, AnAnswerThatNeverComesHoldsNothingUpAndIsSaid) {
 }
 
 TEST_F(SessionTest, ARefusedOneIsTriedAgainAloneWithGrowingPauses) {
-  session_.connected(1, start_);
+  connect(1, start_);
   answer(kStop);
   EXPECT_TRUE(session_.ready());
   EXPECT_EQ(session_.refused(), Filters{kStop});
@@ -120,25 +137,110 @@ TEST_F(SessionTest, ARefusedOneIsTriedAgainAloneWithGrowingPauses) {
 }
 
 TEST_F(SessionTest, OnTheNextConnectionARefusalThatStandsIsNotSaidAgain) {
-  session_.connected(1, start_);
+  connect(1, start_);
   answer(kStop);
   session_.lost();
   EXPECT_TRUE(session_.refused().empty()) << "nothing is known";
-  session_.connected(2, start_ + 20s);
+  connect(2, start_ + 20s);
   answer(kStop);
   EXPECT_EQ(notices_.size(), 1U);
   EXPECT_EQ(session_.deadline(), start_ + 1s) << "and the pauses begin anew; the test's clock stands";
 }
 
+TEST_F(SessionTest, OneThatIsNotAnsweredThreeTimesEndsTheConnection) {
+  connect(1, start_);
+  std::erase_if(broker_.unanswered, [](const Subscription& each) { return each.filter == kStop; });
+  answer();
+  canopen::TimePoint at = start_;
+  for (const canopen::Duration pause : {1s, 2s}) {
+    asked_at(at += Session::kSubscribePatience);
+    answer();  // of the watched ones
+    EXPECT_EQ(asked_at(at += pause), Filters{kStop});
+    EXPECT_EQ(broker_.dropped, 0U);
+  }
+  asked_at(at + Session::kSubscribePatience);
+  EXPECT_EQ(broker_.dropped, 1U);
+  EXPECT_NE(broker_.dropped_why.find("does not answer the subscription to canopen/line3/stop"), std::string::npos)
+      << broker_.dropped_why;
+  EXPECT_EQ(session_.phase(), Phase::offline);
+  EXPECT_EQ(session_.deadline(), canopen::kNever);
+}
+
+TEST_F(SessionTest, AnAnswerEndsTheCount) {
+  connect(1, start_);
+  answer(kStop);
+  canopen::TimePoint at = start_;
+  for (int i = 0; i < 4; ++i) {
+    at += 5s;
+    EXPECT_EQ(asked_at(at), Filters{kStop});
+    at += Session::kSubscribePatience;
+    EXPECT_EQ(asked_at(at), Filters{});  // not answered
+    at += 5s;
+    EXPECT_EQ(asked_at(at), Filters{kStop});
+    answer(kStop);
+  }
+  EXPECT_EQ(broker_.dropped, 0U);
+}
+
+// Some brokers refuse by closing.
+TEST_F(SessionTest, AWatchedOneAtWhichTheConnectionBreaksTwiceIsLeftOutAtThisBroker) {
+  constexpr const char* kAlarms = "canopen/line3/alarms";
+  const auto break_at = [this](const std::string& filter, ConnectionId connection) {
+    connect(connection, now_);
+    bool broken = false;
+    while (!broken && !broker_.unanswered.empty()) {
+      for (const Subscription& each : std::exchange(broker_.unanswered, {})) {
+        broken = broken || each.filter == filter;
+        if (!broken) {
+          session_.subscribed({.filter = each.filter}, now_);
+        }
+      }
+    }
+    session_.lost();
+    return broken;
+  };
+  EXPECT_TRUE(break_at(kAlarms, 1));
+  connect(2, now_);
+  answer();
+  EXPECT_TRUE(session_.ready()) << "once may be chance";
+  session_.lost();
+  EXPECT_TRUE(break_at(kAlarms, 3)) << "not in a row with the first";
+  EXPECT_TRUE(notices_.empty());
+  EXPECT_TRUE(break_at(kAlarms, 4));
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].find(kAlarms), std::string::npos) << notices_[0];
+  EXPECT_FALSE(break_at(kAlarms, 5)) << "it is not asked for";
+  connect(6, now_);
+  answer();
+  EXPECT_TRUE(session_.ready());
+  EXPECT_EQ(session_.refused(), Filters{kAlarms});
+  EXPECT_EQ(notices_.size(), 1U);
+  session_.lost();
+  EXPECT_TRUE(session_.refused().empty());
+  session_.connected({.id = 7, .broker = "other:1883"}, now_);
+  session_.subscribed({.filter = kTree, .refused = "no"}, now_);
+  answer();
+  EXPECT_TRUE(session_.refused().empty()) << "another broker may allow it";
+}
+
+TEST_F(SessionTest, CommandsAreNeverLeftOut) {
+  for (ConnectionId connection = 1; connection < 6; ++connection) {
+    connect(connection, now_);
+    EXPECT_EQ(broker_.unanswered.size(), topics_.command_subscriptions().size());
+    session_.lost();
+  }
+  EXPECT_TRUE(notices_.empty());
+}
+
 TEST_F(SessionTest, EachConnectionSubscribesAgain) {
-  session_.connected(1, start_);
+  connect(1, start_);
   answer();
   session_.lost();
   EXPECT_FALSE(session_.ready());
   EXPECT_EQ(session_.deadline(), canopen::TimePoint::max());
   answer();
   EXPECT_FALSE(session_.ready()) << "an answer of the old connection";
-  session_.connected(2, start_);
+  connect(2, start_);
   EXPECT_EQ(broker_.subscribed_on, 2U);
   answer();
   EXPECT_TRUE(session_.ready());

@@ -88,5 +88,20 @@ TEST_F(StatusTopicTest, ForEverNeedsNoRefreshing) {
   EXPECT_EQ(topic.next(), canopen::kNever);
 }
 
+TEST_F(StatusTopicTest, TheFirstOnlineOfAConnectionAndTheLastOfflineGoAfterAllElse) {
+  StatusTopic last_word(name_, settings_, true);
+  std::vector<Message> out;
+  last_word.collect(true, start_, out);
+  last_word.collect(true, start_ + 30s, out);
+  last_word.forget();
+  last_word.collect(true, start_ + 31s, out);
+  ASSERT_EQ(out.size(), 3U);
+  EXPECT_TRUE(out[0].after_all);
+  EXPECT_FALSE(out[1].after_all) << "all else is there: it must not run out while much waits";
+  EXPECT_TRUE(out[2].after_all);
+  EXPECT_TRUE(last_word.offline().after_all);
+  EXPECT_FALSE(topic_.offline().after_all);
+}
+
 }  // namespace
 }  // namespace mqtt

@@ -195,6 +195,7 @@ bool TinyBroker::answer_connect(int client, const std::vector<std::uint8_t>& bod
     return true;
   }
   level_ = level;
+  taken_ = 0;
   if (level == kMqtt5 && manners_.closes_on_5) {
     return false;
   }
@@ -223,7 +224,7 @@ bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<
   const std::size_t length = static_cast<std::size_t>(body.at(0)) << 8U | body.at(1);
   const auto topic_end = body.begin() + 2 + static_cast<std::ptrdiff_t>(length);
   std::string text(body.begin() + 2, topic_end);
-  if (text == manners_.hates) {
+  if (text == manners_.hates || (manners_.patience != 0 && ++taken_ > manners_.patience)) {
     return false;
   }
   if (manners_.by_hand) {

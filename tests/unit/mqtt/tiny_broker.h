@@ -22,6 +22,7 @@ class TinyBroker {
     bool closes_on_5 = false;          ///< Closes where it should refuse MQTT 5.
     bool closes_on_subscribe = false;  ///< Closes the connection instead of a SUBACK.
     std::string hates{};               ///< Closes the connection on each PUBLISH there.
+    std::size_t patience = 0;          ///< Takes so many of a connection, and closes it on the next; 0: any number.
     bool by_hand = false;              ///< Takes a PUBLISH only when take_one() asks for it, or take_all().
     std::size_t flood = 0;             ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
@@ -63,6 +64,7 @@ class TinyBroker {
   std::atomic<bool> stopping_ = false;
   std::atomic<int> kick_ = 0;
   std::atomic<int> level_ = 0;      ///< Of the connection.
+  std::size_t taken_ = 0;           ///< Likewise.
   std::atomic<int> connected_ = 0;  ///< The socket of the connection.
   mutable std::mutex mutex_;
   std::vector<int> levels_;

@@ -208,17 +208,14 @@ TEST(MqttTruth, HealthTellsOfTheGatewayAndItsConnection) {
   site.bring_up_drive();
   site.broker().counted = {.messages_dropped = 4, .answers_dropped = 5};
   site.broker().events->on_connected({.id = 1, .version = 4, .broker = "10.0.0.1:1883"});
-  for (const Subscription& each : std::vector(site.broker().subscribed)) {
-    const bool refused = each.filter == "canopen/line3/stop";
-    site.broker().events->on_subscribed(
-        {.filter = each.filter, .refused = refused ? std::optional<std::string>("no") : std::nullopt});
-  }
+  site.broker().answer_subscriptions("no", "canopen/line3/stop");
   site.loop().settle();
   const std::string health = site.retained("health");
   EXPECT_TRUE(contains(health, R"({"ts":"2026-01-02T03:04:)")) << health;
   EXPECT_TRUE(contains(health, R"("uptime":90,"buses":[{"name":"can0","state":"active","load":null}],)"
                                R"("drives":1,"drives_online":1,"broker":"10.0.0.1:1883","protocol":"3.1.1",)"
                                R"("refused_subscriptions":["canopen/line3/stop"],"last_break":null,)"
+                               R"("another_instance":null,"put_right":0,)"
                                R"("messages_dropped":4,"answers_dropped":5,"log_messages_lost":3,)"
                                R"("memory":12345678,"journal":"ab12"})"))
       << health;
@@ -273,11 +270,7 @@ TEST(TruthTest, NothingIsAnnouncedBehindTheLastWords) {
   site.bring_up_drive();
   test::FakeBroker& broker = site.broker();
   broker.events->on_connected({.id = 1});  // the end comes before the broker has answered
-  broker.while_stopping = [&broker] {
-    for (const Subscription& each : std::vector(broker.subscribed)) {
-      broker.events->on_subscribed({.filter = each.filter});
-    }
-  };
+  broker.while_stopping = [&broker] { broker.answer_subscriptions(); };
   site.stop_bridge();
   ASSERT_TRUE(broker.stopped);
   EXPECT_EQ(broker.last_words.back().payload, "offline");

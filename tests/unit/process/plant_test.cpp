@@ -145,5 +145,25 @@ TEST_F(PlantTest, ListsWhatIsActiveOldestFirst) {
   EXPECT_EQ(active[2].alarm->code, 0x2310);
 }
 
+TEST_F(PlantTest, AnotherGatewayOfOurNameIsAWarningOfEachBusThatHasNothingWorse) {
+  plant_->set_other_gateway(true);
+  EXPECT_FALSE(plant_->bus_alarm(0).known) << "the bus has not told its state";
+  plant_->set_bus_state(0, {BusCondition::error_active, 0, 0});
+  EXPECT_TRUE(plant_->bus_alarm(0).active);
+  EXPECT_EQ(plant_->bus_alarm(0).reason, "other-gateway");
+  EXPECT_EQ(plant_->bus_alarm(0).severity, config::Severity::warning);
+  const std::string id = plant_->bus_alarm(0).id;
+  plant_->set_bus_state(0, {BusCondition::bus_off, 0, 0});
+  EXPECT_EQ(plant_->bus_alarm(0).reason, "bus-off");
+  EXPECT_EQ(plant_->bus_alarm(0).severity, config::Severity::fault);
+  plant_->set_bus_state(0, {BusCondition::error_active, 0, 0});
+  EXPECT_EQ(plant_->bus_alarm(0).reason, "other-gateway");
+  EXPECT_EQ(plant_->bus_alarm(0).id, id) << "it was active all the time";
+  bus_alarms_.told.clear();
+  plant_->set_other_gateway(false);
+  EXPECT_FALSE(plant_->bus_alarm(0).active);
+  EXPECT_EQ(bus_alarms_.told, std::vector<std::size_t>{0});
+}
+
 }  // namespace
 }  // namespace process

@@ -87,6 +87,17 @@ TEST_F(CommandsTest, StopsAtTheFirstFailureAndNamesWhatWasWritten) {
   EXPECT_EQ(drive_->commanded().shown(signal("control_command")), 0U);
 }
 
+TEST_F(CommandsTest, WhatABridgeRefusedByItselfDoesNotCountAsAFailedWrite) {
+  bring_online();
+  slave_.refuse_write(test::kFrequency, 0x06090031);
+  ASSERT_TRUE(write_now({field("upper_limit", Raw{4000}), field("frequency_command", 10.0)}).has_error());
+  ASSERT_EQ(drive_->last_written(), 1U);
+  (void)drive_->refuse(origin(), CommandRecord::Kind::write, {.kind = ErrorKind::read_only});
+  EXPECT_EQ(drive_->last_written(), 1U);
+  ASSERT_TRUE(write_now({field("frequency_command", 10.0)}).has_error());
+  EXPECT_EQ(drive_->last_written(), 0U);
+}
+
 TEST_F(CommandsTest, TheLastOfTwoValuesForOneSignalCounts) {
   bring_online();
   ASSERT_TRUE(write_now({field("frequency_command", 10.0), field("frequency_command", 20.0)}).has_value());

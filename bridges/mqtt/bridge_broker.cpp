@@ -1,0 +1,102 @@
+// What the broker tells the bridge.
+
+#include <utility>
+
+#include "bridges/mqtt/bridge.h"
+
+namespace mqtt {
+
+void Bridge::on_connected(const Connected& connection) {
+  if (stopping_) {
+    return;  // the last words are said
+  }
+  connection_ = connection;
+  session_.connected(connection, canopen::Clock::now());
+  other_.connected(connection.broker);
+  wake(session_.deadline());
+}
+
+void Bridge::on_taken_over() {
+  other_.took_over(canopen::Clock::now());
+}
+
+void Bridge::on_disconnected(const std::string& why) {
+  connection_.reset();
+  last_break_ = why;
+  session_.lost();
+  other_.lost();
+  follow_session();
+}
+
+void Bridge::on_subscribed(const Subscribed& subscribed) {
+  if (stopping_) {
+    return;
+  }
+  if (session_.ready() && !subscribed.refused) {
+    tell_again();  // what others wrote meanwhile was not heard
+  }
+  session_.subscribed(subscribed, canopen::Clock::now());
+  wake(session_.deadline());
+  follow_session();
+  health_may_differ();
+}
+
+void Bridge::on_message(Incoming message) {
+  if (session_.sets_aside(message, canopen::Clock::now())) {
+    leftovers_.heard(message);
+    return;
+  }
+  const auto route = topics_.route(message.topic);
+  if (!route) {
+    session_.stray(message);
+    follow_session();
+  } else if (route->kind == Route::Kind::alarm) {
+    wake(alarms_.received(message, canopen::Clock::now()));
+  } else if (route->kind == Route::Kind::status) {
+    status_received(message, *route);
+  } else if (route->kind == Route::Kind::life) {
+    if (other_.heard(message, canopen::Clock::now())) {
+      broker_->suspect_takeover(session_.connection());
+    }
+    wake(other_.next());
+  } else {
+    requests_.handle(message, *route);
+  }
+}
+
+void Bridge::status_received(const Incoming& message, const Route& route) {
+  if (message.retained) {
+    return;  // the broker kept it from before it was subscribed to (MQTT 3.1.1): older than all that we said since
+  }
+  const canopen::TimePoint now = canopen::Clock::now();
+  if (route.drive.empty()) {
+    wake(status_.received(message.payload, now));
+  } else if (const process::Drive* drive = plant_.find(route.drive)) {
+    wake(feeds_[drive->index()].status_received(message.payload, now));
+  }
+}
+
+process::BrokerHealth Bridge::broker_health() const {
+  process::BrokerHealth health{.refused = session_.refused(), .last_break = last_break_};
+  if (connection_) {
+    health.broker = connection_->broker;
+    health.protocol = connection_->version == 5 ? "5" : "3.1.1";
+  }
+  const BrokerCounts counts = broker_->counts();
+  health.other = other_.who();
+  health.put_right = put_right_.count();
+  health.messages_dropped = counts.messages_dropped;
+  health.answers_dropped = counts.answers_dropped;
+  return health;
+}
+
+void Bridge::tell_again() {
+  alarms_.mark_all();
+  status_.forget();
+  for (Feed& feed : feeds_) {
+    feed.forget_status();
+  }
+  wake(canopen::Clock::now());
+}
+
+}  // namespace mqtt

@@ -1,0 +1,137 @@
+#include "bridges/mqtt/leftovers.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "bridges/alarms/alarm.h"
+#include "bridges/mqtt/expiry.h"
+
+namespace mqtt {
+namespace {
+
+// Where the log names topics, so many bytes of them stand in one line.
+constexpr std::size_t kLine = 1000;
+
+/// A topic of the forms in which we publish of drives and buses.
+struct Form {
+  std::string_view drive{};  ///< Empty: of a bus.
+  bool of_a_drive = false;   ///< Only a drive has such a topic.
+};
+
+// As the configuration names signals; `status`, `state` and `control` are like them. What comes by the others, or below
+// them, is no value.
+bool is_of_a_value(std::string_view name) {
+  constexpr std::array<std::string_view, 5> kOthers{"set", "nmt", "sdo", "alarm", "history"};
+  const auto fits = [](char letter) {
+    return (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9') || letter == '_';
+  };
+  return !name.empty() && name.front() >= 'a' && name.front() <= 'z' && std::ranges::all_of(name, fits) &&
+         std::ranges::find(kOthers, name) == kOthers.end();
+}
+
+bool is_alarm(std::string_view name) {
+  return std::ranges::any_of(alarms::kAlarmKinds, [name](alarms::AlarmKind kind) {
+    return name.starts_with("alarm/") && name.substr(name.find('/') + 1) == alarms::name_of(kind);
+  });
+}
+
+std::optional<Form> form_of(std::string_view below_root) {
+  const std::size_t slash = below_root.find('/');
+  if (slash == std::string_view::npos) {
+    return std::nullopt;  // `status`, `info` and their like are of every gateway
+  }
+  const std::string_view owner = below_root.substr(0, slash);
+  const std::string_view rest = below_root.substr(slash + 1);
+  if (owner == "bus") {
+    const bool alarm =
+        rest.find('/') != 0 && rest.find('/') != std::string_view::npos && rest.substr(rest.find('/')) == "/alarm";
+    return alarm ? std::optional(Form{}) : std::nullopt;
+  }
+  if (owner.empty() || !(is_alarm(rest) || is_of_a_value(rest))) {
+    return std::nullopt;
+  }
+  return Form{.drive = owner, .of_a_drive = rest == "status" || is_alarm(rest)};
+}
+
+}  // namespace
+
+Leftovers::Leftovers(const config::Model& model, const config::Mqtt& settings, const Topics& topics)
+    : topics_(topics), patience_(lifetime(settings) / 3 + std::chrono::seconds(5)) {
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const config::Drive& drive = model.drives[i];
+    const DriveTopics& of_drive = topics.drive(i);
+    drives_.insert(drive.name);
+    published_.insert({of_drive.status, of_drive.control});
+    published_.insert(of_drive.alarms.begin(), of_drive.alarms.end());
+    if (settings.state) {
+      published_.insert(of_drive.state);
+    }
+    for (std::size_t signal = 0; settings.signals && signal < drive.signals.size(); ++signal) {
+      if (config::readable(drive.signals[signal].access)) {
+        published_.insert(of_drive.signals[signal]);
+      }
+    }
+  }
+  for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
+    published_.insert(topics.bus_alarm(bus));
+  }
+}
+
+void Leftovers::heard(const Incoming& message) {
+  if (!message.retained || message.payload.empty()) {
+    return;
+  }
+  if (message.topic == topics_.status()) {
+    in_use_ = message.payload == "online";
+    return;
+  }
+  const auto form = form_of(topics_.below_root(message.topic));
+  if (!form) {
+    return;
+  }
+  if (form->of_a_drive) {
+    drives_.emplace(form->drive);
+  }
+  if (!published_.contains(message.topic) && kept_.size() < kMost) {
+    kept_.emplace(message.topic, form->drive);
+  }
+}
+
+void Leftovers::announced(canopen::TimePoint now) {
+  std::erase_if(kept_, [this](const auto& each) { return !each.second.empty() && !drives_.contains(each.second); });
+  if (!kept_.empty()) {
+    due_ = in_use_ ? now + patience_ : now;
+  }
+}
+
+void Leftovers::collect(bool another_lives, canopen::TimePoint now, std::vector<Message>& out, const Notice& notice) {
+  if (kept_.empty() || (now < due_ && !another_lives)) {
+    return;
+  }
+  due_ = canopen::kNever;
+  const auto found = std::exchange(kept_, {});
+  if (another_lives) {
+    notice(Level::warning, "MQTT: " + std::to_string(found.size()) +
+                               " topics that this gateway does not publish are left as they are, because another "
+                               "gateway of its name lives");
+    return;
+  }
+  std::string line;
+  const auto say = [&line, &notice] { notice(Level::info, "MQTT: emptied, as nobody publishes it any more:" + line); };
+  for (const auto& [topic, drive] : found) {
+    out.push_back({.topic = topic});
+    line += " " + topic;
+    if (line.size() > kLine) {
+      say();
+      line.clear();
+    }
+  }
+  if (!line.empty()) {
+    say();
+  }
+}
+
+}  // namespace mqtt

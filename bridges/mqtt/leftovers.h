@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bridges/mqtt/message.h"
+#include "bridges/mqtt/notice.h"
+#include "bridges/mqtt/topics.h"
+#include "canopen/clock.h"
+#include "config/model.h"
+
+namespace mqtt {
+
+/// What stands retained below the gateway's own `B` and is published by nobody any more: topics of drives that were
+/// renamed or removed, of signals that are gone, of kinds that were switched off. Hears what the broker kept, and says
+/// which topics are to be emptied and when. Whatever has another form than ours, or lies below a name that never was a
+/// drive, is left alone.
+class Leftovers {
+ public:
+  /// More of them are found at the next start.
+  static constexpr std::size_t kMost = 10'000;
+
+  /// `topics` outlives it.
+  Leftovers(const config::Model& model, const config::Mqtt& settings, const Topics& topics);
+
+  /// A message of Topics::tree_subscription(); those that the broker did not keep are ignored.
+  void heard(const Incoming& message);
+  /// All that we publish was published, `online` last, on a new connection.
+  void announced(canopen::TimePoint now);
+  /// When to come to collect().
+  [[nodiscard]] canopen::TimePoint next() const noexcept { return due_; }
+  /// Appends what empties them where it is time, and names each. Where another gateway of this name lives, nothing of
+  /// what was found is emptied, now or later.
+  void collect(bool another_lives, canopen::TimePoint now, std::vector<Message>& out, const Notice& notice);
+
+ private:
+  const Topics& topics_;
+  canopen::Duration patience_;
+  std::set<std::string, std::less<>> published_;  ///< All that we publish retained of drives and buses.
+  std::set<std::string, std::less<>> drives_;     ///< Names that are drives, or were: they have a status or alarms.
+  std::map<std::string, std::string> kept_;       ///< Of our forms, and not published: the drive; empty: of a bus.
+  bool in_use_ = false;  ///< `B/status` is kept as `online`: our last life ended without a word, or another one lives.
+  canopen::TimePoint due_ = canopen::kNever;
+};
+
+}  // namespace mqtt

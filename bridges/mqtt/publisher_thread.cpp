@@ -1,0 +1,234 @@
+// What the publisher's thread does: attempt, serve the connection, pause.
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <csignal>
+#include <future>
+#include <system_error>
+#include <utility>
+
+#include "bridges/mqtt/publisher.h"
+#include "bridges/mqtt/reasons.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A connection that held this long was a good one.
+constexpr auto kGoodConnection = 10s;
+constexpr auto kGoodbye = 500ms;
+constexpr auto kStallCheck = 1s;
+constexpr auto kResolveCheck = 50ms;
+// alive(): longest time of the thread without a sign of life.
+constexpr auto kSilence = 30s;
+constexpr auto kForEver = 24h * 3650;
+
+// Signals are the daemon's main thread's; Paho's threads inherit this.
+void block_signals() {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
+std::string text_of(const Refusal& refusal) {
+  if (refusal.code >= 0) {
+    return "the broker refuses the connection: " + reason_text(refusal.code);
+  }
+  return refusal.closed ? "the connection is refused or closed before the broker answers" : "no connection";
+}
+
+}  // namespace
+
+void Publisher::run() {
+  block_signals();
+  for (bool goes_on = true; goes_on;) {
+    const auto begun = Clock::now();
+    const Line::End end = attempt();
+    drop_client();
+    if (Clock::now() - begun > kGoodConnection) {
+      attempts_.held();
+      last_failure_.clear();
+    }
+    const auto duration = end.stays ? settings_.pause_after_refusal : attempts_.next_pause();
+    say_failure(end, duration);
+    goes_on = pause(duration);
+  }
+  {
+    const Guard lock(mutex_);
+    expect_sign_of_life(kForEver);
+  }
+  loop_->post([this] {
+    ended_ = true;
+    ended_timer_.cancel();
+  });
+}
+
+Line::End Publisher::attempt() {
+  if (attempts_.wants_addresses()) {
+    attempts_.found(addresses());
+  }
+  const std::string address = attempts_.next_address();
+  if (address.empty()) {
+    return {"the name " + settings_.broker.host + " has no address"};
+  }
+  for (std::optional<int> version = attempts_.first_version(); version;) {
+    const std::optional<Refusal> refusal = connect(address, *version);
+    if (!refusal) {
+      say(Level::info, "MQTT: connected to " + broker_ + (*version == 5 ? ", MQTT 5" : ", MQTT 3.1.1"));
+      loop_->post([this, connected = Connected{.id = line_.connection, .version = *version, .broker = broker_}] {
+        events_->on_connected(connected);
+      });
+    }
+    version = attempts_.next_version(address, *version, refusal);
+    if (!refusal) {
+      return serve();
+    }
+    if (!version) {
+      return {text_of(*refusal), refuses_credentials(refusal->code)};
+    }
+    drop_client();
+  }
+  return {};
+}
+
+// In a thread of its own, which owns all it uses: one that hangs is left to itself.
+std::vector<std::string> Publisher::addresses() {
+  {
+    const Guard lock(mutex_);
+    expect_sign_of_life(settings_.resolve_patience);
+  }
+  std::packaged_task<std::vector<std::string>()> task(
+      [resolver = settings_.resolver, broker = settings_.broker] { return resolver(broker); });
+  auto found = task.get_future();
+  try {
+    std::thread(std::move(task)).detach();
+  } catch (const std::system_error&) {
+    return {};  // none is to be had: tried again
+  }
+  while (found.wait_for(kResolveCheck) != std::future_status::ready) {
+    const Guard lock(mutex_);
+    if (finishing_) {
+      return {};
+    }
+  }
+  return found.get();
+}
+
+std::optional<Refusal> Publisher::connect(const std::string& address, int version) {
+  {
+    const Guard lock(mutex_);
+    if (finishing_) {
+      return Refusal{};
+    }
+    expect_sign_of_life(kSilence);
+    line_.begin();
+  }
+  ClientSettings settings = settings_.client;
+  settings.uri = "tcp://" + uri_host(address) + ":" + std::to_string(settings_.broker.port);
+  settings.version = version;
+  client_ = std::make_unique<Client>(settings, static_cast<ClientEvents&>(*this));
+  if (!client_->connect()) {
+    return Refusal{};
+  }
+  Lock lock(mutex_);
+  wake_.wait_for(lock, settings.connect_timeout + 2s,
+                 [this] { return line_.state != Line::State::connecting || finishing_; });
+  if (!line_.stood()) {
+    return line_.refusal;
+  }
+  traffic_.begin(line_.limits, version, Clock::now());
+  return std::nullopt;
+}
+
+Line::End Publisher::serve() {
+  Lock lock(mutex_);
+  for (;;) {
+    expect_sign_of_life(kSilence);
+    wake_.wait_for(lock, kStallCheck, [this] { return has_work(); });
+    line_.stalled = traffic_.stalled(Clock::now());
+    if (!line_.is_up() || line_.stalled) {
+      return line_.end(settings_.client.client_id);
+    }
+    if (!carry_out(lock) || !send(lock)) {
+      line_.state = Line::State::down;
+    } else if (line_.drop || (finishing_ && farewell_over())) {
+      const bool say_will = line_.drop || !has_last_words_ || !traffic_.all_said(Clock::now());
+      lock.unlock();
+      client_->disconnect(kGoodbye, say_will);
+      lock.lock();
+      return line_.end(settings_.client.client_id);
+    }
+  }
+}
+
+bool Publisher::carry_out(Lock& lock) {
+  const std::vector<Line::Order> orders = line_.take_orders();
+  lock.unlock();
+  const bool done = std::all_of(orders.begin(), orders.end(), [this](const Line::Order& order) {
+    return order.ends ? client_->unsubscribe(order.subscription.filter) : client_->subscribe(order.subscription);
+  });
+  lock.lock();
+  return done;
+}
+
+bool Publisher::send(Lock& lock) {
+  while (const Message* const message = line_.is_up() ? traffic_.next(Clock::now()) : nullptr) {
+    lock.unlock();
+    const Client::Sent outcome = client_->publish(*message);
+    lock.lock();
+    if (outcome == Client::Sent::unfit) {
+      traffic_.unfit(message);
+    } else if (outcome == Client::Sent::broken) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void Publisher::drop_client() {
+  client_.reset();  // without the lock: events may still come
+  const Guard lock(mutex_);
+  if (line_.stood()) {
+    const Line::End end = line_.end(settings_.client.client_id);
+    traffic_.end(end.unexplained, Clock::now());
+    loop_->post([this, why = end.why, taken_over = is_takeover(line_.down_code)] {
+      if (taken_over) {
+        events_->on_taken_over();
+      }
+      events_->on_disconnected(why);
+    });
+  }
+  line_.state = Line::State::none;
+  line_.orders.clear();
+}
+
+bool Publisher::pause(std::chrono::milliseconds duration) {
+  Lock lock(mutex_);
+  expect_sign_of_life(duration + kSilence);
+  return !wake_.wait_for(lock, duration, [this] { return finishing_; });
+}
+
+void Publisher::say_failure(const Line::End& end, std::chrono::milliseconds pause) {
+  const Guard lock(mutex_);
+  if (finishing_ || end.why == last_failure_) {
+    return;  // said once is enough for as long as it lasts
+  }
+  last_failure_ = end.why;
+  std::string text = "MQTT: " + broker_ + ": " + end.why + "; trying again";
+  if (end.stays) {
+    text += " in " + std::to_string(std::chrono::ceil<std::chrono::seconds>(pause).count()) + " s";
+  }
+  say(end.stays ? Level::error : Level::warning, std::move(text));
+}
+
+bool Publisher::farewell_over() {
+  return !traffic_.is_open() || traffic_.all_said(Clock::now()) || Clock::now() >= finish_by_;
+}
+
+bool Publisher::has_work() {
+  return line_.wants() || traffic_.may_send(Clock::now()) || (finishing_ && farewell_over());
+}
+
+}  // namespace mqtt

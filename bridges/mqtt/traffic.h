@@ -1,0 +1,84 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridges/mqtt/broker.h"
+#include "bridges/mqtt/client.h"
+#include "bridges/mqtt/message.h"
+#include "bridges/mqtt/notice.h"
+#include "bridges/mqtt/outbox.h"
+#include "bridges/mqtt/suspects.h"
+
+namespace mqtt {
+
+/// Bytes of the PUBLISH that carries the message (MQTT 5 §3.3, 3.1.1 §3.3).
+[[nodiscard]] std::size_t packet_size(const Message& message, int version, int qos);
+
+/// What goes to the broker, over all connections: what waits, what is under way, and when the next may leave. Knows no
+/// time but what it is given. Not thread-safe.
+class Traffic {
+ public:
+  using TimePoint = Outbox::TimePoint;
+  /// Nothing that was sent is acknowledged for so long: the broker hangs, although TCP stands. Paho's own ping does not
+  /// notice while its socket is full.
+  static constexpr std::chrono::seconds kStalled{20};
+  /// Nothing leaves for so long although it could.
+  static constexpr std::chrono::seconds kStuck{60};
+
+  Traffic(int qos, Notice notice) : qos_(qos), notice_(std::move(notice)) {}
+
+  void push(std::vector<Message> batch, TimePoint now);
+  /// A connection of this version of MQTT (5, or 4 for 3.1.1) stands. Nothing leaves before open().
+  void begin(const BrokerLimits& limits, int version, TimePoint now);
+  void open(TimePoint now);
+  /// It is gone. `unexplained`: perhaps because of what was under way.
+  void end(bool unexplained, TimePoint now);
+
+  [[nodiscard]] bool is_open() const noexcept { return open_; }
+  /// next() has something.
+  [[nodiscard]] bool may_send(TimePoint now);
+  /// The next message, under way from now on, in its place in memory until acknowledged() or end(); nullptr: none may
+  /// leave. Drops on the way what is too long.
+  [[nodiscard]] const Message* next(TimePoint now);
+  /// Paho cannot send it.
+  void unfit(const Message* message);
+  /// `code`: of a PUBACK that refuses it.
+  void acknowledged(const Message* message, Delivery delivery, int code, TimePoint now);
+
+  [[nodiscard]] bool all_said(TimePoint now) { return open_ && under_way_.empty() && front(now) == nullptr; }
+  [[nodiscard]] bool stalled(TimePoint now) const { return !under_way_.empty() && now - progress_ > kStalled; }
+  [[nodiscard]] bool stuck(TimePoint now);
+  [[nodiscard]] BrokerCounts counts() const;
+
+ private:
+  [[nodiscard]] Outbox::Holds holds(TimePoint now) const;
+  [[nodiscard]] const Message* front(TimePoint now) { return outbox_.front(now, holds(now)); }
+  [[nodiscard]] std::list<Outbox::Item>::iterator find(const Message* message);
+  [[nodiscard]] bool fits(const Message& message);
+  void say(const Suspects::Verdict& held) const;
+
+  int qos_;
+  Notice notice_;
+  Outbox outbox_;
+  std::list<Outbox::Item> under_way_;
+  Suspects suspects_;
+  bool open_ = false;
+  int version_ = 0;
+  BrokerLimits limits_;
+  TimePoint progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
+  TimePoint left_{};      ///< When something left.
+  TimePoint waits_{};     ///< When something left, or nothing could.
+  std::uint64_t dropped_ = 0;
+  std::uint64_t said_answers_ = 0;
+  std::set<std::string> said_too_long_;  ///< Topics.
+  std::set<int> said_refused_;           ///< Codes.
+};
+
+}  // namespace mqtt
