@@ -4,7 +4,9 @@ set -u
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 gateway_bin=${GATEWAY_BIN:?the canopen-gateway executable}
 work=$(mktemp -d /tmp/gateway-system.XXXXXX)
+broker_host=127.0.0.1
 broker_port=1883
+broker_listener="$broker_port 127.0.0.1"
 modbus_port=1502
 topics=canopen/line3
 interface=vcan0  # of the drives
@@ -70,15 +72,20 @@ expect_match() {
   checks=$((checks + 1))
 }
 
+# launch_broker COMMAND…: with the configuration that is there, by COMMAND, which decides where it runs
+launch_broker() {
+  launch mosquitto "$@" mosquitto -c "$work/mosquitto.conf"
+  wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"
+}
+
 start_broker() {
-  printf 'listener %s 127.0.0.1\nallow_anonymous true\n' "$broker_port" >"$work/mosquitto.conf"
-  launch mosquitto mosquitto -c "$work/mosquitto.conf"
-  wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/127.0.0.1/$broker_port"
+  printf 'listener %s\nallow_anonymous true\n' "$broker_listener" >"$work/mosquitto.conf"
+  launch_broker "$@"
 }
 
 # Every message the broker hands out, from now on: TIME TOPIC PAYLOAD
 start_witness() {
-  launch witness mosquitto_sub -h 127.0.0.1 -p "$broker_port" -F '%U %r %t %p' -t '#'
+  launch witness mosquitto_sub -h "$broker_host" -p "$broker_port" -F '%U %r %t %p' -t '#'
 }
 
 # The frames on the bus, with the kernel's time, in candump's log format.
@@ -225,14 +232,28 @@ write_registers() {
 credentials=()
 
 # retained TOPIC: what the broker keeps there
-retained() { mosquitto_sub "${credentials[@]}" -h 127.0.0.1 -p "$broker_port" -C 1 -W 2 -t "$topics/$1" 2>/dev/null; }
+retained() { mosquitto_sub "${credentials[@]}" -h "$broker_host" -p "$broker_port" -C 1 -W 2 -t "$topics/$1" 2>/dev/null; }
 
 # field TOPIC JQ-EXPRESSION: of a retained JSON
 field() { retained "$1" | jq -r "$2"; }
 
+# look HOST SECONDS: at all that the broker there keeps of the gateway; kept tells of it
+look() {
+  mosquitto_sub "${credentials[@]}" -h "$1" -p "$broker_port" -t "$topics/#" -W "$2" -F '%r %t %p' 2>/dev/null |
+    sed -n "s|^1 $topics/||p" >"$work/$1.kept"
+}
+# kept HOST TOPIC [JQ-EXPRESSION]: a payload, or what the expression makes of its JSON
+kept() {
+  local payload
+  payload=$(sed -n "s|^$2 ||p" "$work/$1.kept")
+  if [ $# = 3 ]; then jq -r "$3" <<<"$payload"; else echo "$payload"; fi
+}
+# is_kept HOST TOPIC VALUE, or HOST TOPIC JQ-EXPRESSION VALUE
+is_kept() { [ "$(kept "${@:1:$#-1}")" = "${!#}" ]; }
+
 # The broker keeps nothing there. That it keeps the gateway's status shows that the question was answered.
 is_emptied() {
-  [ "$(mosquitto_sub -h 127.0.0.1 -p "$broker_port" -W 1 -F %t -t "$topics/status" -t "$1" 2>/dev/null)" = "$topics/status" ]
+  [ "$(mosquitto_sub -h "$broker_host" -p "$broker_port" -W 1 -F %t -t "$topics/status" -t "$1" 2>/dev/null)" = "$topics/status" ]
 }
 
 is_retained() { [ "$(retained "$1")" = "$2" ]; }
@@ -241,5 +262,5 @@ register_is() { [ "$(read_register "$1" "$2")" = "$3" ]; }
 
 # ask TOPIC PAYLOAD: sends it with a response topic and prints the answer
 ask() {
-  mosquitto_rr -V 5 -h 127.0.0.1 -p "$broker_port" -W 5 -t "$topics/$1" -e "answers/$RANDOM$RANDOM" -m "$2"
+  mosquitto_rr -V 5 -h "$broker_host" -p "$broker_port" -W 5 -t "$topics/$1" -e "answers/$RANDOM$RANDOM" -m "$2"
 }

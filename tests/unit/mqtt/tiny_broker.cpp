@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <stdexcept>
 
 namespace mqtt::test {
@@ -105,12 +106,34 @@ bool TinyBroker::take_one() {
   return taking_.wait_for(lock, std::chrono::seconds(20), [&] { return published_.size() >= wanted; });
 }
 
+void TinyBroker::take_all() {
+  const std::lock_guard lock(mutex_);
+  may_take_ = std::numeric_limits<std::size_t>::max();
+  taking_.notify_all();
+}
+
+void TinyBroker::take_by_hand() {
+  const std::lock_guard lock(mutex_);
+  may_take_ = published_.size();
+}
+
+void TinyBroker::deliver(const std::string& topic, const std::string& payload) const {
+  const bool has_properties = level_ == kMqtt5;
+  const std::size_t length = 2 + topic.size() + (has_properties ? 1 : 0) + payload.size();
+  std::string packet{'\x30', static_cast<char>(length), 0, static_cast<char>(topic.size())};
+  packet += topic;
+  packet.append(has_properties ? 1 : 0, '\0');
+  packet += payload;
+  (void)send(connected_, packet.data(), packet.size(), MSG_NOSIGNAL);
+}
+
 void TinyBroker::serve() {
   while (!stopping_) {
     if (!readable(server_)) {
       continue;
     }
     const int client = accept(server_, nullptr, nullptr);
+    connected_ = client;
     serve_client(client);
     close(client);
   }

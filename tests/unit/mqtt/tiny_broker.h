@@ -23,7 +23,7 @@ class TinyBroker {
     bool closes_on_subscribe = false;  ///< Closes the connection instead of a SUBACK.
     std::string hates{};               ///< Closes the connection on each PUBLISH there.
     std::size_t patience = 0;          ///< Takes so many of a connection, and closes it on the next; 0: any number.
-    bool by_hand = false;              ///< Takes a PUBLISH only when take_one() asks for it.
+    bool by_hand = false;              ///< Takes a PUBLISH only when take_one() asks for it, or take_all().
     std::size_t flood = 0;             ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
 
@@ -39,6 +39,11 @@ class TinyBroker {
   [[nodiscard]] std::vector<std::string> published() const;
   /// Takes the next PUBLISH and acknowledges it; false where none comes within 20 s. Only with by_hand.
   [[nodiscard]] bool take_one();
+  /// Takes whatever comes, until take_by_hand(). Only with by_hand.
+  void take_all();
+  void take_by_hand();
+  /// Sends a PUBLISH (QoS 0) to who is connected, of less than 125 bytes.
+  void deliver(const std::string& topic, const std::string& payload) const;
   /// Sends DISCONNECT with this code (MQTT 5) to who is connected, and closes the connection.
   void disconnect(int code) { kick_ = code; }
   /// The client has acknowledged the last message of the flood. Once.
@@ -58,8 +63,9 @@ class TinyBroker {
   std::uint16_t port_ = 0;
   std::atomic<bool> stopping_ = false;
   std::atomic<int> kick_ = 0;
-  int level_ = 0;          ///< Of the connection.
-  std::size_t taken_ = 0;  ///< Likewise.
+  std::atomic<int> level_ = 0;      ///< Of the connection.
+  std::size_t taken_ = 0;           ///< Likewise.
+  std::atomic<int> connected_ = 0;  ///< The socket of the connection.
   mutable std::mutex mutex_;
   std::vector<int> levels_;
   std::vector<std::string> published_;
