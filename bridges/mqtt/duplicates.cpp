@@ -1,5 +1,7 @@
 #include "bridges/mqtt/duplicates.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace mqtt {
@@ -86,35 +88,15 @@ void Duplicates::limit() {
 
 bool may_come_again(const process::Outcome& outcome) noexcept {
   using canopen::ErrorKind;
+  constexpr std::array kMayComeAgain{ErrorKind::forbidden, ErrorKind::offline, ErrorKind::lease,
+                                     ErrorKind::range,     ErrorKind::type,    ErrorKind::incomplete};
   if (outcome.has_value() || outcome.written != 0) {
     return false;
   }
-  const canopen::Error& error = *outcome.failure;
   // An abort is the drive's answer to something that was sent.
-  if (error.outcome_unknown || error.abort != 0) {
-    return false;
-  }
-  switch (error.kind) {
-    case ErrorKind::forbidden:
-    case ErrorKind::offline:
-    case ErrorKind::lease:
-    case ErrorKind::range:
-    case ErrorKind::type:
-    case ErrorKind::incomplete:
-      return true;
-    case ErrorKind::unknown:
-    case ErrorKind::read_only:
-    case ErrorKind::refused:
-    case ErrorKind::timeout:
-    case ErrorKind::retained:
-    case ErrorKind::expired:
-    case ErrorKind::duplicate:
-    case ErrorKind::superseded:
-    case ErrorKind::voided:
-    case ErrorKind::protocol:
-      break;
-  }
-  return false;
+  const canopen::Error& error = *outcome.failure;
+  return !error.outcome_unknown && error.abort == 0 &&
+         std::ranges::find(kMayComeAgain, error.kind) != kMayComeAgain.end();
 }
 
 }  // namespace mqtt
