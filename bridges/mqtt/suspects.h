@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
@@ -39,7 +40,8 @@ class Suspects {
 
  private:
   struct Held {
-    std::string payload;
+    std::size_t size = 0;  ///< Of its payload; and its hash, for what is held back may be long.
+    std::size_t hash = 0;
     TimePoint until{};
     bool whatever = false;
   };
