@@ -41,7 +41,7 @@ bool Suspects::holds_back(const Message& message, TimePoint now) const {
           (entry->second.size == message.payload.size() && entry->second.hash == hash_of(message.payload)));
 }
 
-void Suspects::arrived(const Message& message) {
+void Suspects::acquit(const Message& message) {
   suspected_.erase(message.topic);
   held_.erase(message.topic);
 }

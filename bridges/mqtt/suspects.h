@@ -36,7 +36,9 @@ class Suspects {
   [[nodiscard]] bool leaves_alone(const Message& message) const;
   [[nodiscard]] bool holds_back(const Message& message, TimePoint now) const;
   /// The broker acknowledged it.
-  void arrived(const Message& message);
+  void acquit(const Message& message);
+  /// A connection ended for another reason: nothing is suspected any more, but what is held back stays so.
+  void forget() { suspected_.clear(); }
 
  private:
   struct Held {
@@ -47,7 +49,7 @@ class Suspects {
   };
 
   std::set<std::string> suspected_;
-  std::map<std::string, Held> held_;  ///< Until something of theirs is acknowledged.
+  std::map<std::string, Held> held_;  ///< Until something of theirs is acquitted.
 };
 
 }  // namespace mqtt
