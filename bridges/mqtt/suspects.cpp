@@ -1,6 +1,15 @@
 #include "bridges/mqtt/suspects.h"
 
+#include <functional>
+
 namespace mqtt {
+namespace {
+
+std::size_t hash_of(const std::string& payload) {
+  return std::hash<std::string>()(payload);
+}
+
+}  // namespace
 
 std::optional<Suspects::Verdict> Suspects::broke(const std::vector<const Message*>& under_way, TimePoint left,
                                                  TimePoint now) {
@@ -16,7 +25,8 @@ std::optional<Suspects::Verdict> Suspects::broke(const std::vector<const Message
   const Message& message = *under_way.front();
   const auto [entry, first] = held_.try_emplace(message.topic);
   const bool again = entry->second.whatever;
-  entry->second = {.payload = message.payload, .until = now + kHeldFor, .whatever = !first};
+  entry->second = {
+      .size = message.payload.size(), .hash = hash_of(message.payload), .until = now + kHeldFor, .whatever = !first};
   return Verdict{message.topic, !first, again};
 }
 
@@ -27,10 +37,11 @@ bool Suspects::leaves_alone(const Message& message) const {
 bool Suspects::holds_back(const Message& message, TimePoint now) const {
   const auto entry = held_.find(message.topic);
   return entry != held_.end() && now < entry->second.until &&
-         (entry->second.whatever || entry->second.payload == message.payload);
+         (entry->second.whatever ||
+          (entry->second.size == message.payload.size() && entry->second.hash == hash_of(message.payload)));
 }
 
-void Suspects::arrived(const Message& message) {
+void Suspects::acquit(const Message& message) {
   suspected_.erase(message.topic);
   held_.erase(message.topic);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
@@ -35,17 +36,20 @@ class Suspects {
   [[nodiscard]] bool leaves_alone(const Message& message) const;
   [[nodiscard]] bool holds_back(const Message& message, TimePoint now) const;
   /// The broker acknowledged it.
-  void arrived(const Message& message);
+  void acquit(const Message& message);
+  /// A connection ended for another reason: nothing is suspected any more, but what is held back stays so.
+  void forget() { suspected_.clear(); }
 
  private:
   struct Held {
-    std::string payload;
+    std::size_t size = 0;  ///< Of its payload; and its hash, for what is held back may be long.
+    std::size_t hash = 0;
     TimePoint until{};
     bool whatever = false;
   };
 
   std::set<std::string> suspected_;
-  std::map<std::string, Held> held_;  ///< Until something of theirs is acknowledged.
+  std::map<std::string, Held> held_;  ///< Until something of theirs is acquitted.
 };
 
 }  // namespace mqtt

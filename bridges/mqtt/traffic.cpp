@@ -57,7 +57,9 @@ void Traffic::end(bool unexplained, TimePoint now) {
   for (const Outbox::Item& item : under_way_) {
     messages.push_back(&item.message);
   }
-  if (const auto held = unexplained ? suspects_.broke(messages, left_, now) : std::nullopt) {
+  if (!unexplained) {
+    suspects_.forget();  // one that is never acknowledged must not hold up the others each time
+  } else if (const auto held = suspects_.broke(messages, left_, now)) {
     ++dropped_;
     if (!held->again) {
       say(*held);
@@ -114,7 +116,7 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
                                 " first: " + reason_text(code) + "; check what the gateway's user may write");
     }
   }
-  suspects_.arrived(sent->message);
+  suspects_.acquit(sent->message);
   under_way_.erase(sent);
   progress_ = now;
 }

@@ -224,7 +224,12 @@ bool TinyBroker::take_publish(int client, std::uint8_t first, const std::vector<
   const std::size_t length = static_cast<std::size_t>(body.at(0)) << 8U | body.at(1);
   const auto topic_end = body.begin() + 2 + static_cast<std::ptrdiff_t>(length);
   std::string text(body.begin() + 2, topic_end);
-  if (text == manners_.hates || (manners_.patience != 0 && ++taken_ > manners_.patience)) {
+  const bool says_why = levels().size() % 4 != 0;
+  const bool is_fed_up = manners_.patience != 0 && ++taken_ > manners_.patience / (says_why ? 1 : 2);
+  if (is_fed_up && says_why) {
+    send_bytes(client, {0xE0, 2, 0x8B, 0});
+  }
+  if (is_fed_up || text == manners_.hates) {
     return false;
   }
   if (manners_.by_hand) {

@@ -22,9 +22,11 @@ class TinyBroker {
     bool closes_on_5 = false;          ///< Closes where it should refuse MQTT 5.
     bool closes_on_subscribe = false;  ///< Closes the connection instead of a SUBACK.
     std::string hates{};               ///< Closes the connection on each PUBLISH there.
-    std::size_t patience = 0;          ///< Takes so many of a connection, and closes it on the next; 0: any number.
-    bool by_hand = false;              ///< Takes a PUBLISH only when take_one() asks for it, or take_all().
-    std::size_t flood = 0;             ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
+    /// Takes so many of a connection; on the next it says that it shuts down, and closes. Each fourth connection it
+    /// closes without a word, after half as many. 0: any number.
+    std::size_t patience = 0;
+    bool by_hand = false;   ///< Takes a PUBLISH only when take_one() asks for it, or take_all().
+    std::size_t flood = 0;  ///< Behind a SUBACK so many messages `run`, and then one `stop`. Of 3.1.1.
   };
 
   explicit TinyBroker(Manners manners);

@@ -231,6 +231,19 @@ TEST_F(TrafficTest, OneThatWasAloneUnderWayForLongDidNotEndTheConnection) {
   EXPECT_TRUE(said_.empty());
 }
 
+TEST_F(TrafficTest, OneThatIsNeverAcknowledgedHoldsUpAllElseOnce) {
+  (void)announce_to("bad");
+  begin();
+  push({value("bad", "1"), value("c", "1")});
+  EXPECT_EQ(send().size(), 1U);
+  now_ += Traffic::kStalled + 1ms;
+  EXPECT_TRUE(traffic_.stalled(now_));
+  traffic_.end(false, now_);
+  begin();
+  push({value("bad", "1"), value("c", "1")});
+  EXPECT_EQ(send().size(), 2U);
+}
+
 TEST_F(TrafficTest, AnAnswerIsTriedOnTwoConnectionsAndSuspectsNothing) {
   push({answer("1")});
   EXPECT_EQ(send().size(), 1U);
