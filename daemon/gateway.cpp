@@ -76,7 +76,8 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   if (model.mqtt) {
     mqtt_ = std::make_unique<mqtt::Bridge>(
         executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION, alarms::random_id(),
-        mqtt::make_publisher(executor, *model.mqtt, model.gateway, log_notice), log_notice);
+        std::make_unique<mqtt::Publisher>(executor, mqtt::publisher_settings(*model.mqtt, model.gateway), log_notice),
+        log_notice);
     plant_.add(*mqtt_);
     mqtt_->tell_program_health_by(
         [this] { return program_health(started_, journal_ ? journal_->newest_hash() : std::string()); });

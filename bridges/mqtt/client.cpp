@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -115,28 +116,19 @@ Incoming incoming_of(const message& received) {
   return incoming;
 }
 
-// Bytes of a length (Variable Byte Integer, MQTT 5 §1.5.5).
-std::size_t length_of_length(std::size_t length) {
-  std::size_t bytes = 1;
-  for (; length >= 0x80; length >>= 7U) {
-    ++bytes;
-  }
-  return bytes;
-}
+class Listener final : public iaction_listener {
+ public:
+  using Call = std::function<void(const token&)>;
+  Listener(Call succeeded, Call failed) : succeeded_(std::move(succeeded)), failed_(std::move(failed)) {}
+  void on_success(const token& done) override { succeeded_(done); }
+  void on_failure(const token& done) override { failed_(done); }
+
+ private:
+  Call succeeded_;
+  Call failed_;
+};
 
 }  // namespace
-
-std::size_t packet_size(const Message& message, int version, int qos) {
-  constexpr std::size_t kExpiry = 5;
-  constexpr std::size_t kCorrelation = 3;
-  std::size_t rest = 2 + message.topic.size() + (qos > 0 ? 2U : 0U) + message.payload.size();
-  if (version >= MQTTVERSION_5) {
-    const std::size_t given =
-        (message.expiry != 0 ? kExpiry : 0) + (message.correlation ? kCorrelation + message.correlation->size() : 0);
-    rest += length_of_length(given) + given;
-  }
-  return 1 + length_of_length(rest) + rest;
-}
 
 class Client::Body final : private callback {
  public:
@@ -144,8 +136,7 @@ class Client::Body final : private callback {
       : events_(events),
         settings_(settings),
         client_(settings_.uri, settings_.client_id, creation_of(settings_), &shelf_) {
-    client_.set_callback(*this);
-    // Paho tells of a DISCONNECT here and nowhere else.
+    client_.set_callback(*this);  // which Paho does not tell of a DISCONNECT
     client_.set_disconnected_handler(
         [this](const properties&, ReasonCode code) { events_.on_down(static_cast<int>(code)); });
   }
@@ -227,9 +218,19 @@ class Client::Body final : private callback {
     events_.on_subscribed(std::move(subscribed));
   }
 
-  void was_sent(const token& done, Delivery delivery) {
-    events_.on_sent(static_cast<const Message*>(done.get_user_context()), delivery,
-                    static_cast<int>(done.get_reason_code()));
+  void was_not_granted(const token& done) {
+    // The connection went before the answer: with MQTT 3.1.1 Paho says so before it tells of the loss.
+    if (done.get_return_code() != MQTTASYNC_OPERATION_INCOMPLETE) {
+      const int code = static_cast<int>(done.get_reason_code());
+      was_answered(done, is_failure(code) ? code : kUnspecified);
+    }
+  }
+
+  void was_sent(const token& done, bool acknowledged) {
+    const int code = static_cast<int>(done.get_reason_code());
+    const Delivery otherwise = is_failure(code) ? Delivery::refused : Delivery::failed;
+    events_.on_sent(static_cast<const Message*>(done.get_user_context()), acknowledged ? Delivery::done : otherwise,
+                    code);
   }
 
   void was_refused(const token& done) {
@@ -238,33 +239,11 @@ class Client::Body final : private callback {
 
   ClientEvents& events_;
   ClientSettings settings_;
-  struct Connecting final : iaction_listener {
-    explicit Connecting(Body& to_body) : body(to_body) {}
-    void on_success(const token& done) override { body.came_up(done); }
-    void on_failure(const token& done) override { body.was_refused(done); }
-    Body& body;
-  } connecting_{*this};
-  struct Publishing final : iaction_listener {
-    explicit Publishing(Body& to_body) : body(to_body) {}
-    void on_success(const token& done) override { body.was_sent(done, Delivery::done); }
-    void on_failure(const token& done) override {
-      const bool refused = is_failure(static_cast<int>(done.get_reason_code()));
-      body.was_sent(done, refused ? Delivery::refused : Delivery::failed);
-    }
-    Body& body;
-  } publishing_{*this};
-  struct Subscribing final : iaction_listener {
-    explicit Subscribing(Body& to_body) : body(to_body) {}
-    void on_success(const token& done) override { body.was_granted(done); }
-    void on_failure(const token& done) override {
-      if (done.get_return_code() == MQTTASYNC_OPERATION_INCOMPLETE) {
-        return;  // the connection went before the answer; with MQTT 3.1.1 Paho says so before it tells of the loss
-      }
-      const int code = static_cast<int>(done.get_reason_code());
-      body.was_answered(done, is_failure(code) ? code : kUnspecified);
-    }
-    Body& body;
-  } subscribing_{*this};
+  Listener connecting_{[this](const token& done) { came_up(done); }, [this](const token& done) { was_refused(done); }};
+  Listener publishing_{[this](const token& done) { was_sent(done, true); },
+                       [this](const token& done) { was_sent(done, false); }};
+  Listener subscribing_{[this](const token& done) { was_granted(done); },
+                        [this](const token& done) { was_not_granted(done); }};
   Shelf shelf_;
   async_client client_;  ///< The last member: gone before what it calls.
 };
@@ -283,7 +262,7 @@ bool succeeds(Call call) {
 
 }  // namespace
 
-Client::Client(const ClientSettings& settings, ClientEvents& events) : version_(settings.version) {
+Client::Client(const ClientSettings& settings, ClientEvents& events) {
   if (!succeeds([&] { body_ = std::make_unique<Body>(settings, events); })) {
     body_ = nullptr;  // connect() tells
   }

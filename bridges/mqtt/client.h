@@ -66,9 +66,6 @@ class ClientEvents {
   ~ClientEvents() = default;
 };
 
-/// Bytes of the PUBLISH that carries the message (MQTT 5 §3.3, 3.1.1 §3.3).
-[[nodiscard]] std::size_t packet_size(const Message& message, int version, int qos);
-
 /// One attempt to connect and, where it succeeds, that connection: a Paho client of its own, without Paho's reconnect,
 /// buffer or broker list, and with nothing on disk. Calls may block for moments; all are made by one thread, holding no
 /// lock that the events take. Nothing throws. No event comes after the destructor: Paho calls under the lock that it
@@ -93,7 +90,6 @@ class Client {
   [[nodiscard]] Sent publish(const Message& message);
   [[nodiscard]] bool subscribe(const Subscription& subscription);
   [[nodiscard]] bool unsubscribe(const std::string& filter);
-  [[nodiscard]] int version() const noexcept { return version_; }
   /// Says goodbye. `say_will`: publishes the will before, because after a goodbye the broker does not (Paho cannot ask
   /// for it, and never leaves without a goodbye).
   void disconnect(std::chrono::milliseconds patience, bool say_will);
@@ -101,7 +97,6 @@ class Client {
  private:
   class Body;
   std::unique_ptr<Body> body_;
-  int version_;
 };
 
 }  // namespace mqtt

@@ -23,20 +23,25 @@ void Outbox::push(std::vector<Message> batch, TimePoint now) {
   }
 }
 
-Outbox::Queue::iterator Outbox::first(TimePoint now) {
+Outbox::Queue::iterator Outbox::first(TimePoint now, const Holds& holds) {
   drop_old_answers(now);
-  return std::find_if(waiting_.begin(), waiting_.end(), [this](const auto& each) {
-    return !each.second.messages.front().after_all || each.first.second == *places_.begin();
+  const auto held = [&holds](const Waiting& waiting) { return holds && holds(waiting.messages.front()); };
+  return std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& each) {
+    const auto goes_before = [&](const auto& other) {
+      return other.first.second < each.first.second && !held(other.second);
+    };
+    return !held(each.second) &&
+           (!each.second.messages.front().after_all || std::none_of(waiting_.begin(), waiting_.end(), goes_before));
   });
 }
 
-const Message* Outbox::front(TimePoint now) {
-  const auto next = first(now);
+const Message* Outbox::front(TimePoint now, const Holds& holds) {
+  const auto next = first(now, holds);
   return next == waiting_.end() ? nullptr : &next->second.messages.front();
 }
 
-std::optional<Outbox::Item> Outbox::pop(TimePoint now) {
-  const auto next = first(now);
+std::optional<Outbox::Item> Outbox::pop(TimePoint now, const Holds& holds) {
+  const auto next = first(now, holds);
   if (next == waiting_.end()) {
     return std::nullopt;
   }
@@ -51,7 +56,7 @@ std::optional<Outbox::Item> Outbox::pop(TimePoint now) {
   } else {
     newest_.erase(item.message.topic);
   }
-  erase(next);
+  waiting_.erase(next);
   return item;
 }
 
@@ -66,19 +71,18 @@ void Outbox::put_back(Item answer, TimePoint now) {
 void Outbox::forget_retained() {
   newest_.clear();
   for (auto waiting = waiting_.begin(); waiting != waiting_.end();) {
-    waiting = waiting->first.first == MessageKind::answer ? std::next(waiting) : erase(waiting);
+    waiting = waiting->first.first == MessageKind::answer ? std::next(waiting) : waiting_.erase(waiting);
   }
 }
 
 void Outbox::push_newest(Message message, TimePoint now) {
   const auto known = newest_.find(message.topic);
   if (known != newest_.end() && message.after_all) {
-    erase(waiting_.find(known->second));
+    waiting_.erase(known->second);
   }
   if (known == newest_.end() || message.after_all) {
     const Key key(message.kind, ++place_);
     newest_.insert_or_assign(message.topic, key);
-    places_.insert(key.second);
     Waiting& added = waiting_[key];
     added.batch = batch_;
     added.arrived = now;
@@ -100,7 +104,6 @@ void Outbox::push_newest(Message message, TimePoint now) {
 void Outbox::push_answer(Message message, std::uint64_t place, TimePoint arrived, int tries) {
   ++answers_;
   answer_bytes_ += size_of(message);
-  places_.insert(place);
   Waiting& added = waiting_[{MessageKind::answer, place}];
   added.arrived = arrived;
   added.tries = tries;
@@ -124,12 +127,7 @@ void Outbox::drop_answer(Queue::iterator answer) {
   --answers_;
   answer_bytes_ -= size_of(answer->second.messages.front());
   ++answers_dropped_;
-  erase(answer);
-}
-
-Outbox::Queue::iterator Outbox::erase(Queue::iterator waiting) {
-  places_.erase(waiting->first.second);
-  return waiting_.erase(waiting);
+  waiting_.erase(answer);
 }
 
 }  // namespace mqtt

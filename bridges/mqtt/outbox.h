@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -38,10 +38,13 @@ class Outbox {
     int tries = 0;  ///< Connections on which it left, this one included.
   };
 
+  /// What is held back waits as if it were not there.
+  using Holds = std::function<bool(const Message&)>;
+
   void push(std::vector<Message> batch, TimePoint now);
-  /// What pop() gives; nullptr where nothing waits.
-  [[nodiscard]] const Message* front(TimePoint now);
-  [[nodiscard]] std::optional<Item> pop(TimePoint now);
+  /// What pop() gives; nullptr where nothing may leave.
+  [[nodiscard]] const Message* front(TimePoint now, const Holds& holds = nullptr);
+  [[nodiscard]] std::optional<Item> pop(TimePoint now, const Holds& holds = nullptr);
   /// An answer that left and may not have arrived, because its connection went.
   void put_back(Item answer, TimePoint now);
   /// The next connection begins with everything that is retained.
@@ -61,15 +64,13 @@ class Outbox {
   };
   using Queue = std::map<Key, Waiting>;
 
-  [[nodiscard]] Queue::iterator first(TimePoint now);
+  [[nodiscard]] Queue::iterator first(TimePoint now, const Holds& holds);
   void push_newest(Message message, TimePoint now);
   void push_answer(Message message, std::uint64_t place, TimePoint arrived, int tries);
   void drop_old_answers(TimePoint now);
   void drop_answer(Queue::iterator answer);
-  Queue::iterator erase(Queue::iterator waiting);
 
   Queue waiting_;
-  std::set<std::uint64_t> places_;               ///< Of all that waits.
   std::unordered_map<std::string, Key> newest_;  ///< By topic.
   std::uint64_t place_ = 0;
   std::uint64_t batch_ = 0;

@@ -6,6 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "bridges/mqtt/topics.h"
+
 namespace mqtt {
 
 Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings settings, Notice notice)
@@ -160,9 +162,19 @@ void Publisher::say(Level level, std::string text) {
   loop_->post([this, level, said = std::move(text)] { notice_(level, said); });
 }
 
-std::unique_ptr<Broker> make_publisher(boost::asio::any_io_executor executor, const config::Mqtt& mqtt,
-                                       const config::Gateway& gateway, Notice notice) {
-  return std::make_unique<Publisher>(std::move(executor), publisher_settings(mqtt, gateway), std::move(notice));
+PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
+  PublisherSettings settings;
+  settings.broker = mqtt.brokers.front();
+  if (mqtt.version != config::MqttVersion::automatic) {
+    settings.version = mqtt.version == config::MqttVersion::v5 ? 5 : 4;
+  }
+  settings.client.client_id = mqtt.client_id.empty() ? "canopen-gateway-" + gateway.name : mqtt.client_id;
+  settings.client.username = mqtt.username;
+  settings.client.password = mqtt.password;
+  settings.client.will_topic = status_topic(mqtt.base, gateway.name);
+  settings.client.will_payload = "offline";
+  settings.client.qos = mqtt.qos;
+  return settings;
 }
 
 }  // namespace mqtt

@@ -17,12 +17,24 @@
 #include "bridges/mqtt/line.h"
 #include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
-#include "bridges/mqtt/publisher_settings.h"
 #include "bridges/mqtt/traffic.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
 namespace mqtt {
+
+/// How the publisher behaves; the defaults are for real plants.
+struct PublisherSettings {
+  config::Endpoint broker;
+  ClientSettings client;  ///< Its uri and version are filled in per attempt.
+  int version = 0;        ///< 5 or 4 (MQTT 3.1.1) only; 0: 5, and 3.1.1 with brokers that do not speak it.
+  std::chrono::milliseconds first_pause{1000};
+  std::chrono::milliseconds longest_pause{5000};
+  std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
+  std::chrono::milliseconds farewell{2000};              ///< For the last messages at the end.
+  std::chrono::milliseconds resolve_patience{300000};    ///< A publisher that resolves longer stands still.
+  Resolver resolver = resolve;
+};
 
 /// The real broker: Paho, served by a thread of its own that the loop never waits for: it connects, sends what the loop
 /// gave it, connects again, and alone calls Paho. What the loop, that thread and Paho's own share is behind one lock,
@@ -79,7 +91,7 @@ class Publisher final : public Broker, private ClientEvents {
 
   // With the lock held.
   void expect_sign_of_life(std::chrono::milliseconds allowance) { silent_from_ = Clock::now() + allowance; }
-  [[nodiscard]] bool farewell_over() const;
+  [[nodiscard]] bool farewell_over();
   [[nodiscard]] bool has_work();
 
   void say(Level level, std::string text);
@@ -93,7 +105,7 @@ class Publisher final : public Broker, private ClientEvents {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Line line_;
-  Traffic traffic_;
+  mutable Traffic traffic_;                                   ///< What waited for too long goes when it is looked at.
   Clock::time_point silent_from_ = Clock::time_point::max();  ///< Alive until then.
   bool finishing_ = false;
   bool has_last_words_ = false;
@@ -110,7 +122,7 @@ class Publisher final : public Broker, private ClientEvents {
   bool ended_ = false;
 };
 
-[[nodiscard]] std::unique_ptr<Broker> make_publisher(boost::asio::any_io_executor executor, const config::Mqtt& mqtt,
-                                                     const config::Gateway& gateway, Notice notice);
+/// As a site configured it. The client id is `canopen-gateway-<name>` where it names none.
+[[nodiscard]] PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway);
 
 }  // namespace mqtt

@@ -154,7 +154,7 @@ Line::End Publisher::serve() {
     if (!carry_out(lock) || !send(lock)) {
       line_.state = Line::State::down;
     } else if (line_.drop || (finishing_ && farewell_over())) {
-      const bool say_will = line_.drop || !has_last_words_ || !traffic_.all_said();
+      const bool say_will = line_.drop || !has_last_words_ || !traffic_.all_said(Clock::now());
       lock.unlock();
       client_->disconnect(kGoodbye, say_will);
       lock.lock();
@@ -223,8 +223,8 @@ void Publisher::say_failure(const Line::End& end, std::chrono::milliseconds paus
   say(end.stays ? Level::error : Level::warning, std::move(text));
 }
 
-bool Publisher::farewell_over() const {
-  return !traffic_.is_open() || traffic_.all_said() || Clock::now() >= finish_by_;
+bool Publisher::farewell_over() {
+  return !traffic_.is_open() || traffic_.all_said(Clock::now()) || Clock::now() >= finish_by_;
 }
 
 bool Publisher::has_work() {

@@ -2,10 +2,8 @@
 
 #include <mqtt/exception.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
+#include <cstdio>
 
 namespace mqtt {
 
@@ -18,13 +16,9 @@ std::string reason_text(int code) {
   } else if (code >= 0 && static_cast<std::size_t>(code) < kOf311.size()) {
     name = kOf311[static_cast<std::size_t>(code)];
   }
-  std::array<char, 8> digits{};
-  constexpr int kHex = 16;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), code, kHex).ptr;
-  std::string hex(digits.data(), end);
-  std::transform(hex.begin(), hex.end(), hex.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return (name.empty() ? "unknown code" : name) + " (0x" + (hex.size() < 2 ? "0" : "") + hex + ")";
+  std::array<char, 16> hex{};
+  std::snprintf(hex.data(), hex.size(), " (0x%02X)", static_cast<unsigned>(code));
+  return (name.empty() ? "unknown code" : name) + hex.data();
 }
 
 }  // namespace mqtt

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <list>
 #include <map>
 #include <optional>
 #include <set>
@@ -9,7 +8,6 @@
 #include <vector>
 
 #include "bridges/mqtt/message.h"
-#include "bridges/mqtt/outbox.h"
 
 namespace mqtt {
 
@@ -20,43 +18,34 @@ namespace mqtt {
 /// tried for long. Knows no time but what it is given. Not thread-safe.
 class Suspects {
  public:
-  using TimePoint = Outbox::TimePoint;
+  using TimePoint = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::minutes kHeldFor{10};
   /// A broker that ends the connection because of a message does so by then; a network that breaks is noticed later.
   static constexpr std::chrono::seconds kPrompt{5};
 
-  struct Held {
+  struct Verdict {
     std::string topic;
     bool whatever = false;  ///< Its payload is.
+    bool again = false;     ///< It was so before.
   };
 
-  /// A connection broke with these under way, the last of which left at `left`. What is to be told of it: the first and
-  /// the second time that a topic is held back.
-  std::optional<Held> broke(const std::list<Outbox::Item>& under_way, TimePoint left, TimePoint now);
+  /// A connection broke with these under way, the last of which left at `left`. What is held back from now on.
+  std::optional<Verdict> broke(const std::vector<const Message*>& under_way, TimePoint left, TimePoint now);
   /// Nothing else may be under way with it.
-  [[nodiscard]] bool leaves_alone(const Message& message, TimePoint now) const;
+  [[nodiscard]] bool leaves_alone(const Message& message) const;
   [[nodiscard]] bool holds_back(const Message& message, TimePoint now) const;
-  /// Keeps one that is held back until then.
-  void keep(Message message);
-  /// These are newer than what was kept.
-  void forget_kept(const std::vector<Message>& newer);
-  /// Those kept for long enough.
-  [[nodiscard]] std::vector<Message> release(TimePoint now);
-  /// The next connection begins with everything.
-  void forget_kept();
   /// The broker acknowledged it.
   void arrived(const Message& message);
 
  private:
-  struct Conviction {
+  struct Held {
     std::string payload;
     TimePoint until{};
     bool whatever = false;
-    std::optional<Message> kept{};
   };
 
   std::set<std::string> suspected_;
-  std::map<std::string, Conviction> convicted_;  ///< Until something of theirs is acknowledged.
+  std::map<std::string, Held> held_;  ///< Until something of theirs is acknowledged.
 };
 
 }  // namespace mqtt

@@ -9,13 +9,33 @@ namespace {
 
 constexpr std::size_t kMaxTopicsSaid = 1000;
 
+// Bytes of a length (Variable Byte Integer, MQTT 5 §1.5.5).
+std::size_t length_of_length(std::size_t length) {
+  std::size_t bytes = 1;
+  for (; length >= 0x80; length >>= 7U) {
+    ++bytes;
+  }
+  return bytes;
+}
+
 }  // namespace
 
-void Traffic::push(std::vector<Message> batch, TimePoint now) {
-  if (outbox_.empty()) {
-    left_ = now;
+std::size_t packet_size(const Message& message, int version, int qos) {
+  constexpr std::size_t kExpiry = 5;
+  constexpr std::size_t kCorrelation = 3;
+  std::size_t rest = 2 + message.topic.size() + (qos > 0 ? 2U : 0U) + message.payload.size();
+  if (version >= 5) {
+    const std::size_t given =
+        (message.expiry != 0 ? kExpiry : 0) + (message.correlation ? kCorrelation + message.correlation->size() : 0);
+    rest += length_of_length(given) + given;
   }
-  suspects_.forget_kept(batch);
+  return 1 + length_of_length(rest) + rest;
+}
+
+void Traffic::push(std::vector<Message> batch, TimePoint now) {
+  if (!may_send(now)) {
+    waits_ = now;
+  }
   outbox_.push(std::move(batch), now);
 }
 
@@ -28,18 +48,22 @@ void Traffic::begin(const BrokerLimits& limits, int version, TimePoint now) {
 
 void Traffic::open(TimePoint now) {
   open_ = true;
-  left_ = now;
+  waits_ = now;
 }
 
 void Traffic::end(bool unexplained, TimePoint now) {
   open_ = false;
-  if (unexplained) {
-    if (const auto held = suspects_.broke(under_way_, left_, now)) {
-      hold_back(*held);
+  std::vector<const Message*> messages;
+  for (const Outbox::Item& item : under_way_) {
+    messages.push_back(&item.message);
+  }
+  if (const auto held = unexplained ? suspects_.broke(messages, left_, now) : std::nullopt) {
+    ++dropped_;
+    if (!held->again) {
+      say(*held);
     }
   }
   outbox_.forget_retained();
-  suspects_.forget_kept();
   for (Outbox::Item& item : under_way_) {
     if (item.message.kind == MessageKind::answer) {
       outbox_.put_back(std::move(item), now);
@@ -54,28 +78,21 @@ void Traffic::end(bool unexplained, TimePoint now) {
 }
 
 bool Traffic::may_send(TimePoint now) {
-  const Message* const next = open_ && under_way_.size() < limits_.window ? outbox_.front(now) : nullptr;
-  return next != nullptr && (under_way_.empty() || (!suspects_.leaves_alone(*next, now) &&
-                                                    !suspects_.leaves_alone(under_way_.front().message, now)));
+  const Message* const next = open_ && under_way_.size() < limits_.window ? front(now) : nullptr;
+  return next != nullptr && (under_way_.empty() ||
+                             (!suspects_.leaves_alone(*next) && !suspects_.leaves_alone(under_way_.front().message)));
 }
 
 const Message* Traffic::next(TimePoint now) {
-  if (std::vector<Message> released = suspects_.release(now); !released.empty()) {
-    push(std::move(released), now);
-  }
+  waits_ = now;
   while (may_send(now)) {
-    std::optional<Outbox::Item> item = outbox_.pop(now);
+    std::optional<Outbox::Item> item = outbox_.pop(now, holds(now));
     left_ = now;
-    const bool held = suspects_.holds_back(item->message, now);
-    if (held || !fits(item->message)) {
-      ++dropped_;
-      if (held) {
-        suspects_.keep(std::move(item->message));
-      }
-      continue;
+    if (fits(item->message)) {
+      progress_ = under_way_.empty() ? now : progress_;
+      return &under_way_.emplace_back(std::move(*item)).message;
     }
-    progress_ = under_way_.empty() ? now : progress_;
-    return &under_way_.emplace_back(std::move(*item)).message;
+    ++dropped_;
   }
   return nullptr;
 }
@@ -102,12 +119,16 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
   progress_ = now;
 }
 
-bool Traffic::stuck(TimePoint now) const {
-  return open_ && !outbox_.empty() && under_way_.size() < limits_.window && now - left_ > kStuck;
+bool Traffic::stuck(TimePoint now) {
+  return may_send(now) && now - waits_ > kStuck;
 }
 
 BrokerCounts Traffic::counts() const {
   return {.messages_dropped = dropped_, .answers_dropped = outbox_.answers_dropped()};
+}
+
+Outbox::Holds Traffic::holds(TimePoint now) const {
+  return [this, now](const Message& message) { return suspects_.holds_back(message, now); };
 }
 
 std::list<Outbox::Item>::iterator Traffic::find(const Message* message) {
@@ -126,7 +147,7 @@ bool Traffic::fits(const Message& message) {
   return false;
 }
 
-void Traffic::hold_back(const Suspects::Held& held) const {
+void Traffic::say(const Suspects::Verdict& held) const {
   notice_(Level::error, "MQTT: the broker ends the connection where " + held.topic + " is published; it is held back " +
                             (held.whatever ? "for" : "until it changes, at most for") + " 10 min; check what the " +
                             "gateway's user may write, and how long a message the broker takes");

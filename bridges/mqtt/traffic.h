@@ -18,6 +18,9 @@
 
 namespace mqtt {
 
+/// Bytes of the PUBLISH that carries the message (MQTT 5 §3.3, 3.1.1 §3.3).
+[[nodiscard]] std::size_t packet_size(const Message& message, int version, int qos);
+
 /// What goes to the broker, over all connections: what waits, what is under way, and when the next may leave. Knows no
 /// time but what it is given. Not thread-safe.
 class Traffic {
@@ -42,22 +45,24 @@ class Traffic {
   /// next() has something.
   [[nodiscard]] bool may_send(TimePoint now);
   /// The next message, under way from now on, in its place in memory until acknowledged() or end(); nullptr: none may
-  /// leave. Drops on the way what must not leave.
+  /// leave. Drops on the way what is too long.
   [[nodiscard]] const Message* next(TimePoint now);
   /// Paho cannot send it.
   void unfit(const Message* message);
   /// `code`: of a PUBACK that refuses it.
   void acknowledged(const Message* message, Delivery delivery, int code, TimePoint now);
 
-  [[nodiscard]] bool all_said() const { return open_ && outbox_.empty() && under_way_.empty(); }
+  [[nodiscard]] bool all_said(TimePoint now) { return open_ && under_way_.empty() && front(now) == nullptr; }
   [[nodiscard]] bool stalled(TimePoint now) const { return !under_way_.empty() && now - progress_ > kStalled; }
-  [[nodiscard]] bool stuck(TimePoint now) const;
+  [[nodiscard]] bool stuck(TimePoint now);
   [[nodiscard]] BrokerCounts counts() const;
 
  private:
+  [[nodiscard]] Outbox::Holds holds(TimePoint now) const;
+  [[nodiscard]] const Message* front(TimePoint now) { return outbox_.front(now, holds(now)); }
   [[nodiscard]] std::list<Outbox::Item>::iterator find(const Message* message);
   [[nodiscard]] bool fits(const Message& message);
-  void hold_back(const Suspects::Held& held) const;
+  void say(const Suspects::Verdict& held) const;
 
   int qos_;
   Notice notice_;
@@ -68,7 +73,8 @@ class Traffic {
   int version_ = 0;
   BrokerLimits limits_;
   TimePoint progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
-  TimePoint left_{};      ///< When something left, or began to wait alone.
+  TimePoint left_{};      ///< When something left.
+  TimePoint waits_{};     ///< When something left, or nothing could.
   std::uint64_t dropped_ = 0;
   std::uint64_t said_answers_ = 0;
   std::set<std::string> said_too_long_;  ///< Topics.

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kStatus = "canopen/line3/status";
+constexpr const char* kGatewayStatus = "canopen/line3/status";
 
 // Breaks the connection of this process to that port as a network does, without a goodbye.
 void cut(std::uint16_t port) {
@@ -36,9 +36,9 @@ class BrokerTime : public test::OnMosquitto {
   void go_online(PublisherSettings made) {
     make(std::move(made));
     ASSERT_TRUE(connected());
-    publisher->publish({{.topic = kStatus, .payload = "online"}});
+    publisher->publish({{.topic = kGatewayStatus, .payload = "online"}});
     open();
-    ASSERT_TRUE(is_retained(kStatus, "online"));
+    ASSERT_TRUE(is_retained(kGatewayStatus, "online"));
   }
 };
 
@@ -59,7 +59,7 @@ TEST_P(Wills, AreSaidByTheBrokerAfterTheShorterDelay) {
   const auto begun = Clock::now();
   cut(broker_.port());
   ASSERT_TRUE(run_until([this] { return disconnections == 1; }));
-  EXPECT_TRUE(is_retained(kStatus, "offline"));
+  EXPECT_TRUE(is_retained(kGatewayStatus, "offline"));
   EXPECT_GE(Clock::now() - begun, 900ms) << "mosquitto counts whole seconds";
 }
 
@@ -71,15 +71,15 @@ TEST_F(BrokerTime, WhoComesBackIsOnlineForGoodAndWhatExpiresIsGone) {
   go_online(std::move(made));
   cut(broker_.port());
   ASSERT_TRUE(connected(2));
-  ASSERT_TRUE(subscribe({{.filter = kStatus, .watched = true, .own_too = true}}));
-  publisher->publish({{.topic = kStatus, .payload = "online"},
+  ASSERT_TRUE(subscribe({{.filter = kGatewayStatus, .watched = true, .own_too = true}}));
+  publisher->publish({{.topic = kGatewayStatus, .payload = "online"},
                       {.topic = "state", .payload = "live", .expiry = 2},
                       {.topic = "info", .payload = "kept"}});
   open();
   ASSERT_TRUE(run_until([this] { return retained("state") == "1 live\n"; }));
   EXPECT_TRUE(run_until([this] { return retained("state").empty(); }));
   EXPECT_EQ(retained("info"), "1 kept\n");
-  EXPECT_EQ(retained(kStatus), "1 online\n") << "the delay of the will has run out by now";
+  EXPECT_EQ(retained(kGatewayStatus), "1 online\n") << "the delay of the will has run out by now";
   for (const Incoming& message : messages) {
     EXPECT_EQ(message.payload, "online");
   }

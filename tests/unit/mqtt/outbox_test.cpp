@@ -5,27 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "bridges/mqtt/client.h"
+#include "bridges/mqtt/traffic.h"
+#include "tests/unit/mqtt/messages.h"
 
 namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
+using test::alarm;
+using test::answer;
+using test::status;
+using test::value;
 using Texts = std::vector<std::string>;
-
-Message value(std::string topic, std::string payload) {
-  return {.topic = std::move(topic), .payload = std::move(payload)};
-}
-Message alarm(std::string topic, std::string payload) {
-  return {.topic = std::move(topic), .payload = std::move(payload), .kind = MessageKind::alarm};
-}
-Message status(std::string topic, std::string payload, bool after_all = false) {
-  return {
-      .topic = std::move(topic), .payload = std::move(payload), .kind = MessageKind::status, .after_all = after_all};
-}
-Message answer(std::string payload) {
-  return {.topic = "reply", .payload = std::move(payload), .kind = MessageKind::answer, .retained = false};
-}
 
 class OutboxTest : public testing::Test {
  protected:
