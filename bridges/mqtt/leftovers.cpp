@@ -46,8 +46,8 @@ std::optional<Form> form_of(std::string_view below_root) {
   const std::string_view owner = below_root.substr(0, slash);
   const std::string_view rest = below_root.substr(slash + 1);
   if (owner == "bus") {
-    const bool alarm =
-        rest.find('/') != 0 && rest.find('/') != std::string_view::npos && rest.substr(rest.find('/')) == "/alarm";
+    const std::size_t second = rest.find('/');
+    const bool alarm = second != 0 && second != std::string_view::npos && rest.substr(second) == "/alarm";
     return alarm ? std::optional(Form{}) : std::nullopt;
   }
   if (owner.empty() || !(is_alarm(rest) || is_of_a_value(rest))) {

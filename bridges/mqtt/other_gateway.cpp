@@ -73,6 +73,9 @@ bool OtherGateway::heard(const Incoming& message, canopen::TimePoint now) {
     note(sign->instance, "it publishes on " + message.topic, now);
     return false;
   }
+  if (sign->ts.empty()) {
+    return false;  // `B/info`, which MQTT 3.1.1 brings too; `B/health` comes beside it
+  }
   if (first_) {
     before_[broker_] = sign;
     return false;

@@ -69,6 +69,7 @@ TEST_F(BrokerFaults, AfterATakeOverItComesBackLate) {
   const auto again = Clock::now();
   ASSERT_TRUE(connected(3));
   EXPECT_LT(Clock::now() - again, 1400ms) << "only after a take-over";
+  EXPECT_EQ(take_overs, 1U);
 }
 
 TEST_F(BrokerFaults, AnAnswerThatTheBrokerClosesOnIsTriedOnceMoreAtMost) {

@@ -92,6 +92,19 @@ TEST_F(OtherGatewayTest, WhatTheBrokerKeptOfOurLastLifeIsNone) {
   EXPECT_FALSE(other_.lives());
 }
 
+TEST_F(OtherGatewayTest, InfoThatWasKeptSaysNothingOfWhen) {
+  const Incoming info{.topic = "canopen/line3/info", .payload = R"({"instance":"bbbb"})", .retained = true};
+  other_.connected("b:1883");
+  kept(health(kOther), start_);
+  EXPECT_FALSE(other_.heard(info, start_));
+  other_.listening(start_);
+  other_.lost();
+  connect(start_ + 1s);
+  EXPECT_FALSE(other_.heard(info, start_ + 1s));
+  EXPECT_FALSE(kept(health(kOther), start_ + 1s));
+  EXPECT_FALSE(other_.lives());
+}
+
 TEST_F(OtherGatewayTest, WhoPublishedWhileWeWereAwayMayHaveTakenOurClientId) {
   connect(start_);
   other_.lost();

@@ -19,6 +19,7 @@ namespace mqtt::test {
 class PublisherFixture : public testing::Test, public BrokerEvents {
  public:
   void on_connected(const Connected& connection) override { connections.push_back(connection.id); }
+  void on_taken_over() override { ++take_overs; }
   void on_disconnected(const std::string& why) override {
     ++disconnections;
     reasons.push_back(why);
@@ -89,6 +90,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{context.get_executor()};
   std::unique_ptr<Publisher> publisher;
   std::vector<ConnectionId> connections;
+  std::size_t take_overs = 0;
   std::size_t disconnections = 0;
   std::vector<std::string> reasons;  ///< Of the disconnections.
   std::vector<bool> grants;

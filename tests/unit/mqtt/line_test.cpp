@@ -1,0 +1,33 @@
+#include "bridges/mqtt/line.h"
+
+#include <gtest/gtest.h>
+
+namespace mqtt {
+namespace {
+
+TEST(Line, WhatComesInBulkCostsNoCommandItsPlaceUntilItIsGivenBack) {
+  Line line;
+  line.orders = {{.subscription = {.filter = "a/#", .bulk = true}}, {.subscription = {.filter = "c/+"}}};
+  EXPECT_EQ(line.take_orders().size(), 2U);
+  EXPECT_TRUE(line.is_watched("a/b"));
+  EXPECT_FALSE(line.is_watched("c/d"));
+  line.orders = {{.subscription = {.filter = "a/#"}, .ends = true}};
+  EXPECT_EQ(line.take_orders().size(), 1U);
+  EXPECT_FALSE(line.is_watched("a/b"));
+}
+
+TEST(Line, BehindASuspectedTakeOverItIsNotTriedAgainAtOnce) {
+  Line line;
+  for (const bool suspected : {false, true}) {
+    line.begin();
+    line.up({});
+    line.suspects_takeover = suspected;
+    line.down(-1);
+    EXPECT_EQ(line.end("id").stays, suspected);
+  }
+  line.begin();
+  EXPECT_FALSE(line.suspects_takeover) << "of that connection only";
+}
+
+}  // namespace
+}  // namespace mqtt
