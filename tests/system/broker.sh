@@ -5,7 +5,7 @@
 # has answered meanwhile as fast as before. Run inside tests/vcan/run. broker.sh [SECONDS]: how long it freezes.
 . "$(dirname "$0")/lib.sh"
 freeze=${1:-26}
-cut=20 # s: the keep-alive, and as long again for its answer
+cut=24 # s; where nothing is acknowledged for 20 s the gateway gives the connection up
 
 # The broker is another machine with two lines: the gateway's, which is cut, and that of those who look and command.
 unshare --net sleep infinity &
