@@ -25,7 +25,7 @@ server_name: "n$node"
 listen: "$node:4222"
 jetstream { store_dir: "$work/$node", max_mem: 64M, max_file: 64M }
 cluster { name: cluster, listen: "$node:6222", routes: ["nats://127.0.0.1:6222", "nats://127.0.0.2:6222", "nats://127.0.0.3:6222"] }
-mqtt { listen: "$node:$broker_port", consumer_replicas: 1, consumer_memory_storage: true }
+mqtt { listen: "$node:$broker_port" }
 CONFIGURATION
   launch "$node" nats-server -c "$work/$node.conf"
 done
