@@ -55,11 +55,11 @@ void Publisher::unsubscribe(ConnectionId connection, std::vector<std::string> fi
 }
 
 void Publisher::publish(std::vector<Message> batch) {
-  const Guard lock(mutex_);
+  Lock lock(mutex_);
   if (!finishing_) {  // nothing comes behind the last words
     traffic_.push(std::move(batch), Clock::now());
   }
-  wake_.notify_one();
+  wake_if_needed(std::move(lock));
 }
 
 void Publisher::open(ConnectionId connection) {
@@ -146,9 +146,9 @@ void Publisher::on_incoming(Incoming&& message) noexcept {
 }
 
 void Publisher::on_sent(const Message* message, Delivery delivery, int code) noexcept {
-  const Guard lock(mutex_);
+  Lock lock(mutex_);
   traffic_.acknowledged(message, delivery, code, Clock::now());
-  wake_.notify_one();
+  wake_if_needed(std::move(lock));
 }
 
 void Publisher::on_subscribed(Subscribed&& subscribed) noexcept {

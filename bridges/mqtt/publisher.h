@@ -93,6 +93,7 @@ class Publisher final : public Broker, private ClientEvents {
   void expect_sign_of_life(std::chrono::milliseconds allowance) { silent_from_ = Clock::now() + allowance; }
   [[nodiscard]] bool farewell_over();
   [[nodiscard]] bool has_work();
+  void wake_if_needed(Lock lock);
 
   void say(Level level, std::string text);
 

@@ -231,4 +231,13 @@ bool Publisher::has_work() {
   return line_.wants() || traffic_.may_send(Clock::now()) || (finishing_ && farewell_over());
 }
 
+// Without the lock: the thread would wait for it at once. Most acknowledgements change nothing for it.
+void Publisher::wake_if_needed(Lock lock) {
+  const bool needed = has_work();
+  lock.unlock();
+  if (needed) {
+    wake_.notify_one();
+  }
+}
+
 }  // namespace mqtt
