@@ -22,6 +22,8 @@ class DriveUnit {
   /// `plant` outlives the unit.
   DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order);
 
+  [[nodiscard]] const config::Drive& model() const noexcept { return table_.drive(); }
+
   void on_values(std::span<const process::SignalId> signals);
   void sign_of_life(const process::Writer& writer);
 

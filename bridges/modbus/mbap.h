@@ -28,6 +28,12 @@ struct FoundFrame {
 /// rest has come.
 [[nodiscard]] FoundFrame find_frame(std::span<const std::uint8_t> bytes) noexcept;
 
+/// The answer to the request `frame`: its header with `pdu`, at most kMaxPdu bytes, behind it. Returns the part of
+/// `out` that it fills.
+[[nodiscard]] std::span<const std::uint8_t> frame_answer(std::span<const std::uint8_t> frame,
+                                                         std::span<const std::uint8_t> pdu,
+                                                         std::span<std::uint8_t, kMaxFrame> out) noexcept;
+
 /// Of a complete frame.
 [[nodiscard]] std::uint8_t unit_of(std::span<const std::uint8_t> frame) noexcept;
 [[nodiscard]] std::span<const std::uint8_t> pdu_of(std::span<const std::uint8_t> frame) noexcept;

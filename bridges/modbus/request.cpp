@@ -115,6 +115,18 @@ Parsed parse_read_write(Bytes pdu) noexcept {
   return Request{.function = Function::read_write_multiple_registers, .read = read, .write = write, .values = values};
 }
 
+Parsed parse_encapsulated(Bytes pdu) noexcept {
+  if (pdu.size() < 2) {
+    return Exception::illegal_value;
+  }
+  switch (Encapsulated{pdu[1]}) {
+    case Encapsulated::canopen:
+    case Encapsulated::device_identification:
+      return Request{.function = Function::encapsulated_interface, .encapsulated = pdu};
+  }
+  return Exception::illegal_function;
+}
+
 }  // namespace
 
 bool Request::of_bits() const noexcept {
@@ -145,6 +157,8 @@ Parsed parse_request(Bytes pdu) noexcept {
       return parse_mask(pdu);
     case Function::read_write_multiple_registers:
       return parse_read_write(pdu);
+    case Function::encapsulated_interface:
+      return parse_encapsulated(pdu);
   }
   return Exception::illegal_function;
 }

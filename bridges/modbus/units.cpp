@@ -2,9 +2,12 @@
 
 #include <utility>
 
+#include "bridges/modbus/identification.h"
+
 namespace modbus {
 
-Units::Units(process::Plant& plant, config::WordOrder order) : gateway_(plant, order), of_drive_(plant.size()) {
+Units::Units(process::Plant& plant, config::WordOrder order)
+    : plant_(plant), gateway_(plant, order), of_drive_(plant.size()) {
   for (std::size_t i = 0; i < plant.size(); ++i) {
     if (const auto unit = plant.drive(i).model().unit) {
       of_drive_[i] = std::make_unique<DriveUnit>(plant, i, order);
@@ -28,7 +31,7 @@ std::optional<Exception> Units::read(std::uint8_t unit, const Request& request, 
                            : drive.read_registers(request.read, now, into.registers);
 }
 
-void Units::sign_of_life(std::uint8_t unit, const process::Writer& writer) {
+void Units::sign_of_life(std::uint8_t unit, const Request& /*request*/, const process::Writer& writer) {
   if (!is_gateway(unit)) {
     by_id_[unit]->sign_of_life(writer);
   }
@@ -52,6 +55,16 @@ boost::asio::awaitable<std::optional<Exception>> Units::write(std::uint8_t unit,
   }
   const std::optional<Exception> refused = co_await by_id_[unit]->write(request, std::move(origin));
   co_return refused;
+}
+
+boost::asio::awaitable<EncapsulatedAnswer> Units::encapsulated(std::uint8_t unit, Request request,
+                                                               process::Origin /*origin*/, bool /*may_write*/) {
+  if (Encapsulated{request.encapsulated[1]} != Encapsulated::device_identification) {
+    co_return Exception::illegal_function;
+  }
+  const config::Model& model = plant_.model();
+  co_return identify(request.encapsulated,
+                     is_gateway(unit) ? identity_of_gateway(model) : identity_of_drive(model, by_id_[unit]->model()));
 }
 
 }  // namespace modbus

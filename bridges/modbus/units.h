@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridges/modbus/drive_unit.h"
+#include "bridges/modbus/encapsulated.h"
 #include "bridges/modbus/exception.h"
 #include "bridges/modbus/gateway_unit.h"
 #include "bridges/modbus/request.h"
@@ -27,8 +28,8 @@ class Units {
   /// Reads request.read. The unit exists.
   [[nodiscard]] std::optional<Exception> read(std::uint8_t unit, const Request& request, canopen::TimePoint now,
                                               Snapshot& into) const;
-  /// A client of `write_from` asked this unit for something, whatever it was. The unit exists.
-  void sign_of_life(std::uint8_t unit, const process::Writer& writer);
+  /// A client of `write_from` asked this unit for `request`, whatever that is. The unit exists.
+  void sign_of_life(std::uint8_t unit, const Request& request, const process::Writer& writer);
   /// The request stops a drive.
   [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
   /// A write that is refused before its unit sees it: the drive notes it.
@@ -36,6 +37,11 @@ class Units {
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
                                                                        process::Origin origin);
+
+  /// Answers function 43; what request.encapsulated points to outlives the call. The unit exists. `may_write`: the
+  /// client is of `write_from`.
+  [[nodiscard]] boost::asio::awaitable<EncapsulatedAnswer> encapsulated(std::uint8_t unit, Request request,
+                                                                        process::Origin origin, bool may_write);
 
   [[nodiscard]] GatewayUnit& gateway() noexcept { return gateway_; }
   /// Null where the drive is not on Modbus.
@@ -45,6 +51,7 @@ class Units {
   static constexpr std::size_t kUnitIds = 256;
   [[nodiscard]] static bool is_gateway(std::uint8_t unit) noexcept { return unit == 0 || unit == kUnitIds - 1; }
 
+  process::Plant& plant_;
   GatewayUnit gateway_;
   std::vector<std::unique_ptr<DriveUnit>> of_drive_;  ///< By position in the plant.
   std::array<DriveUnit*, kUnitIds> by_id_{};
