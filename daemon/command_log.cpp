@@ -34,6 +34,9 @@ std::string what_of(const CommandRecord& record) {
   if (record.nmt) {
     return "NMT " + std::string(canopen::name_of(*record.nmt));
   }
+  if (record.object && !record.bytes.empty()) {
+    return fmt::format("object {}, {} bytes", canopen::to_string(record.object->object), record.bytes.size());
+  }
   if (record.object) {
     return fmt::format("object {} = {}", canopen::to_string(record.object->object), record.object->raw);
   }
