@@ -146,6 +146,9 @@ awaitable<void> Client::carry_out(std::uint8_t unit) {
   active_ = canopen::Clock::now();
   if (answer_.request.reads() && !answer_.exception) {
     answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
+    if (answer_.exception) {
+      units_.note_unread(unit, answer_.request, writer_);
+    }
   }
 }
 

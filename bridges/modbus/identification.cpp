@@ -131,6 +131,20 @@ std::vector<IdentityObject> identity_of_drive(const config::Model& model, const 
           {IdentityId::profile, drive.profile}};
 }
 
+bool asks_for(std::span<const std::uint8_t> pdu, IdentityId id) noexcept {
+  if (pdu.size() != kRequestSize) {
+    return false;
+  }
+  const auto wanted = static_cast<std::uint8_t>(id);
+  const std::uint8_t from = pdu[kObjectId];
+  if (ReadCode{pdu[kReadCode]} == ReadCode::individual) {
+    return from == wanted;
+  }
+  // A stream that goes on behind it does not need it; one from an id that nobody has begins at the first.
+  const bool behind = from > wanted && from <= static_cast<std::uint8_t>(IdentityId::software_version);
+  return ReadCode{pdu[kReadCode]} == ReadCode::extended && !behind;
+}
+
 EncapsulatedAnswer identify(std::span<const std::uint8_t> pdu, std::span<const IdentityObject> objects) {
   if (pdu.size() != kRequestSize) {
     return Exception::illegal_value;

@@ -35,9 +35,13 @@ struct IdentityObject {
   std::variant<std::string, Exception> text;
 };
 
-/// What is known without asking anybody, in order of ids: of the gateway, and of a drive as the gateway shows it.
+/// What is known without asking anybody, in order of ids: of the gateway, and of a drive as the gateway shows it. That
+/// of a drive ends where told_identity() goes on.
 [[nodiscard]] std::vector<IdentityObject> identity_of_gateway(const config::Model& model);
 [[nodiscard]] std::vector<IdentityObject> identity_of_drive(const config::Model& model, const config::Drive& drive);
+
+/// Whether the answer to `pdu` may need the object. One of the extended category.
+[[nodiscard]] bool asks_for(std::span<const std::uint8_t> pdu, IdentityId id) noexcept;
 
 /// Answers `pdu`, which is of 43/14, out of `objects`, which are in order of ids and begin with the three of the basic
 /// category.

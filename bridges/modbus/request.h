@@ -41,7 +41,7 @@ inline constexpr std::uint16_t kMaxReadRegisters = 125;
 /// A request whose lengths, quantities and ranges are right; whether the addresses exist is the unit's business.
 struct Request {
   Function function = Function::read_holding_registers;
-  Range read{};     ///< Functions 1 to 4 and 23.
+  Range read{};   ///< Functions 1 to 4 and 23.
   Range write{};  ///< Functions 5, 6, 15, 16, 22 and 23.
   /// What to write, a view into the frame: registers high byte first; bits eight to a byte, lowest first (also of
   /// function 5). Empty for function 22.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <string>
 
 #include "tests/unit/modbus/site.h"
@@ -54,6 +55,93 @@ TEST(Encapsulated, EveryUnitSaysWhoItIs) {
                                                                         17));
     EXPECT_NE(text_in(site, unit, "2b 0e 04 06"), text_in(site, kUnit, "2b 0e 04 06"));
   }
+}
+
+/// The drive's own part of its identity.
+class ToldIdentity : public testing::Test {
+ protected:
+  void have_all() {
+    auto& dictionary = site_.puppet().dictionary;
+    dictionary[{0x1018, 4}] = {.value = 4'000'000'001, .size = 4};
+    dictionary[{0x1009, 0}] = {.value = 0x20612E31, .size = 4};  // "1.a "
+    dictionary[{0x100A, 0}] = {.value = 0x00000732, .size = 4};  // "2", no letter, and what pads it
+  }
+  /// What follows the head; an exception as a whole.
+  std::string ask(const std::string& pdu) {
+    TcpClient& client = site_.client();
+    const Bytes request = frame(kUnit, pdu);
+    EXPECT_EQ(client.send(request), request.size());
+    const auto answered = [&client] {
+      client.receive();
+      return client.has_frame();
+    };
+    site_.settle();
+    // What is read by SDO waits a little for its share of the bus.
+    EXPECT_TRUE(site_.loop().advance_until(answered, std::chrono::milliseconds(100)));
+    const Bytes answer = client.take_frame();
+    return {answer.begin() + (answer[7] == 0x2B ? 14 : 7), answer.end()};
+  }
+  const std::string kKnown = std::string("\x80\x05pump1\x81\x00", 9);
+
+  Site site_;
+};
+
+TEST_F(ToldIdentity, IsReadFromTheDriveWhenItIsAskedFor) {
+  site_.bring_up();
+  have_all();
+  EXPECT_EQ(ask("2b 0e 03 80"), kKnown +
+                                    "\x82\x0a"
+                                    "4000000001"
+                                    "\x83\x03"
+                                    "1.a"
+                                    "\x84\x02"
+                                    "2?");
+  site_.puppet().dictionary[{0x1018, 4}].value = 7;
+  EXPECT_EQ(ask("2b 0e 04 82"),
+            "\x82\x01"
+            "7");
+  EXPECT_EQ(ask("2b 0e 03 84"),
+            "\x84\x02"
+            "2?");
+}
+
+TEST_F(ToldIdentity, WhatTheDriveLacksIsLeftOut) {
+  site_.bring_up();
+  EXPECT_EQ(ask("2b 0e 03 80"), kKnown);
+  have_all();
+  site_.puppet().dictionary.erase({0x1009, 0});
+  EXPECT_EQ(ask("2b 0e 03 80"), kKnown +
+                                    "\x82\x0a"
+                                    "4000000001"
+                                    "\x84\x02"
+                                    "2?");
+  EXPECT_EQ(ask("2b 0e 04 83"), "\xab\x02");
+}
+
+TEST_F(ToldIdentity, ADriveThatIsNotThereTellsNothing) {
+  have_all();
+  EXPECT_EQ(ask("2b 0e 03 80"), kKnown);
+  EXPECT_EQ(ask("2b 0e 04 82"), "\xab\x0b");
+  EXPECT_EQ(ask("2b 0e 01 00").substr(0, 2), std::string("\x00\x0f", 2));
+}
+
+TEST_F(ToldIdentity, ADriveThatDoesNotAnswerIsAskedForOneObject) {
+  site_.bring_up();
+  have_all();
+  site_.puppet().mute = true;
+  TcpClient& client = site_.client();
+  const Bytes request = frame(kUnit, "2b 0e 03 80");
+  EXPECT_EQ(client.send(request), request.size());
+  const auto answered = [&client] {
+    client.receive();
+    return client.has_frame();
+  };
+  const canopen::TimePoint before = canopen::Clock::now();
+  site_.settle();
+  EXPECT_TRUE(site_.loop().advance_until(answered, std::chrono::seconds(5)));
+  EXPECT_LE(canopen::Clock::now() - before, std::chrono::milliseconds(1600)) << "three tries of half a second";
+  const Bytes answer = client.take_frame();
+  EXPECT_EQ(std::string(answer.begin() + 14, answer.end()), kKnown);
 }
 
 TEST(Encapsulated, StaysInOrderWithOthers) {
