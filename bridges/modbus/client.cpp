@@ -54,7 +54,7 @@ awaitable<void> Client::serve() {
     const std::span<const std::uint8_t> bytes(received_.data(), filled_);
     std::size_t used = 0;
     FoundFrame found = find_frame(bytes);
-    for (; found.framing == Framing::complete; found = find_frame(bytes.subspan(used))) {
+    for (; found.framing == Framing::complete && socket_.is_open(); found = find_frame(bytes.subspan(used))) {
       const std::span<const std::uint8_t> frame = bytes.subspan(used, found.size);
       used += found.size;
       active_ = canopen::Clock::now();
@@ -62,12 +62,7 @@ awaitable<void> Client::serve() {
         co_await carry_out(unit_of(frame));
       }
       if (!answer_.pdu.empty()) {
-        const auto worded = frame_answer(frame, answer_.pdu, worded_);
-        const auto bytes_out = boost::asio::buffer(worded.data(), worded.size());
-        co_await boost::asio::async_write(socket_, bytes_out, redirect_error(use_awaitable, failed));
-        if (failed) {
-          co_return;
-        }
+        co_await write_worded(frame);
         continue;
       }
       Sent sent = send_answer(frame);
@@ -149,6 +144,16 @@ awaitable<void> Client::carry_out(std::uint8_t unit) {
     if (answer_.exception) {
       units_.note_unread(unit, answer_.request, writer_);
     }
+  }
+}
+
+awaitable<void> Client::write_worded(std::span<const std::uint8_t> frame) {
+  boost::system::error_code failed;
+  const auto worded = frame_answer(frame, answer_.pdu, worded_);
+  const auto bytes = boost::asio::buffer(worded.data(), worded.size());
+  co_await boost::asio::async_write(socket_, bytes, redirect_error(use_awaitable, failed));
+  if (failed) {
+    close();
   }
 }
 

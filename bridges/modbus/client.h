@@ -46,6 +46,8 @@ class Client {
   /// Answers reads at once; true: something remains to be carried out.
   [[nodiscard]] bool begin(std::span<const std::uint8_t> frame);
   boost::asio::awaitable<void> carry_out(std::uint8_t unit);
+  /// Sends Answer::pdu; closes a connection that takes it no more.
+  boost::asio::awaitable<void> write_worded(std::span<const std::uint8_t> frame);
   void refuse(std::uint8_t function, Exception exception);
   [[nodiscard]] Sent send_answer(std::span<const std::uint8_t> frame);
 

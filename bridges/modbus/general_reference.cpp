@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "bridges/modbus/mbap.h"
 #include "bridges/modbus/request.h"
-#include "bridges/process/answer.h"
 
 namespace modbus {
 namespace {
@@ -19,40 +17,29 @@ constexpr std::size_t kIndex = 5;
 constexpr std::size_t kSub = 7;
 constexpr std::size_t kStart = 8;
 constexpr std::size_t kCount = 10;
-constexpr std::size_t kHeadSize = 12;
-constexpr std::size_t kMaxData = kMaxPdu - kHeadSize;
+constexpr std::size_t kReferenceHead = 12;
+constexpr std::size_t kMaxData = kMaxPdu - kReferenceHead;
 constexpr std::uint8_t kWrite = 0x01;
 
-std::uint16_t word(std::span<const std::uint8_t> pdu, std::size_t at) noexcept {
-  return static_cast<std::uint16_t>(pdu[at] << 8 | pdu[at + 1]);
-}
-
 std::vector<std::uint8_t> head_of(std::span<const std::uint8_t> pdu, std::size_t count) {
-  std::vector<std::uint8_t> answer(pdu.begin(), pdu.begin() + kHeadSize);
+  std::vector<std::uint8_t> answer(pdu.begin(), pdu.begin() + kReferenceHead);
   answer[kCount] = static_cast<std::uint8_t>(count >> 8);
   answer[kCount + 1] = static_cast<std::uint8_t>(count);
   return answer;
 }
 
-EncapsulatedAnswer refusal(const canopen::Error& error) {
-  if (error.kind == canopen::ErrorKind::refused && error.abort != 0) {
-    return aborted(error.abort);
-  }
-  return Exception{process::answer_of(error.kind).modbus_exception};
-}
-
 }  // namespace
 
 std::variant<Reference, Exception> parse_reference(std::span<const std::uint8_t> pdu) noexcept {
-  if (pdu.size() < kHeadSize || (pdu[kControl] & ~kWrite) != 0 || pdu[kReserved] != 0) {
+  if (pdu.size() < kReferenceHead || (pdu[kControl] & ~kWrite) != 0 || pdu[kReserved] != 0) {
     return Exception::illegal_value;
   }
   const Reference reference{.write = pdu[kControl] == kWrite,
                             .node = pdu[kNode],
-                            .object = {.index = word(pdu, kIndex), .sub = pdu[kSub]},
-                            .start = word(pdu, kStart),
-                            .count = word(pdu, kCount),
-                            .data = pdu.subspan(kHeadSize)};
+                            .object = {.index = word_at(pdu, kIndex), .sub = pdu[kSub]},
+                            .start = word_at(pdu, kStart),
+                            .count = word_at(pdu, kCount),
+                            .data = pdu.subspan(kReferenceHead)};
   // A write is of the object whole: SDO knows no part of one.
   const bool right = reference.write
                          ? reference.start == 0 && reference.count == reference.data.size() && !reference.data.empty()
@@ -86,17 +73,6 @@ std::vector<std::uint8_t> aborted(std::uint32_t code) {
           static_cast<std::uint8_t>(code >> 16),
           static_cast<std::uint8_t>(code >> 8),
           static_cast<std::uint8_t>(code)};
-}
-
-boost::asio::awaitable<EncapsulatedAnswer> carry_out(process::Drive& drive, std::span<const std::uint8_t> pdu,
-                                                     Reference reference, process::Origin origin) {
-  if (reference.write) {
-    std::vector<std::uint8_t> data(reference.data.begin(), reference.data.end());
-    const process::Outcome outcome = co_await drive.sdo_write(std::move(origin), reference.object, std::move(data));
-    co_return outcome.has_error() ? refusal(outcome.error()) : EncapsulatedAnswer(written(pdu));
-  }
-  const canopen::Result<std::vector<std::uint8_t>> read = co_await drive.sdo_read(reference.object);
-  co_return read.has_error() ? refusal(read.error()) : EncapsulatedAnswer(bytes_read(pdu, reference, read.value()));
 }
 
 }  // namespace modbus

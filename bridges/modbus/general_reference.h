@@ -1,15 +1,11 @@
 #pragma once
 
-#include <boost/asio/awaitable.hpp>
 #include <cstdint>
 #include <span>
 #include <variant>
 #include <vector>
 
-#include "bridges/modbus/encapsulated.h"
 #include "bridges/modbus/exception.h"
-#include "bridges/process/command.h"
-#include "bridges/process/drive.h"
 #include "canopen/object.h"
 
 // CANopen general reference, function 43/13 (CiA 309-2): an object of a drive, read or written through Modbus.
@@ -36,10 +32,5 @@ struct Reference {
 [[nodiscard]] std::vector<std::uint8_t> written(std::span<const std::uint8_t> pdu);
 /// And where the drive refused with this SDO abort code.
 [[nodiscard]] std::vector<std::uint8_t> aborted(std::uint32_t code);
-
-/// Carries `pdu`, which is that of `reference` and outlives the call, out on that drive.
-[[nodiscard]] boost::asio::awaitable<EncapsulatedAnswer> carry_out(process::Drive& drive,
-                                                                   std::span<const std::uint8_t> pdu,
-                                                                   Reference reference, process::Origin origin);
 
 }  // namespace modbus

@@ -24,9 +24,9 @@ constexpr std::uint8_t kMore = 0xFF;
 constexpr std::size_t kMoreAt = 4;
 constexpr std::size_t kNextAt = 5;
 constexpr std::size_t kCountAt = 6;
-constexpr std::size_t kHeadSize = 7;
-constexpr std::size_t kObjectHeadSize = 2;
-constexpr std::size_t kMaxText = kMaxPdu - kHeadSize - kObjectHeadSize;
+constexpr std::size_t kIdentityHead = 7;
+constexpr std::size_t kObjectHead = 2;
+constexpr std::size_t kMaxText = kMaxPdu - kIdentityHead - kObjectHead;
 
 // Each category holds those below it.
 std::uint8_t last_id_of(ReadCode code) {
@@ -50,7 +50,7 @@ std::size_t length_of(const std::string& text) {
   return std::min(text.size(), kMaxText);
 }
 
-std::vector<std::uint8_t> head(ReadCode code) {
+std::vector<std::uint8_t> identity_head(ReadCode code) {
   return {static_cast<std::uint8_t>(Function::encapsulated_interface),
           static_cast<std::uint8_t>(Encapsulated::device_identification),
           static_cast<std::uint8_t>(code),
@@ -77,7 +77,7 @@ EncapsulatedAnswer individual(std::uint8_t id, std::span<const IdentityObject> o
   if (text == nullptr) {
     return std::get<Exception>(found->text);
   }
-  std::vector<std::uint8_t> answer = head(ReadCode::individual);
+  std::vector<std::uint8_t> answer = identity_head(ReadCode::individual);
   append(answer, *found, *text);
   return answer;
 }
@@ -90,13 +90,13 @@ EncapsulatedAnswer stream(ReadCode code, std::uint8_t from, std::span<const Iden
   if (next == end) {
     next = objects.begin();  // What the standard asks for an id that is not known.
   }
-  std::vector<std::uint8_t> answer = head(code);
+  std::vector<std::uint8_t> answer = identity_head(code);
   for (; next != end; ++next) {
     const auto* const text = std::get_if<std::string>(&next->text);
     if (text == nullptr) {
       continue;
     }
-    if (answer.size() + kObjectHeadSize + length_of(*text) > kMaxPdu) {
+    if (answer.size() + kObjectHead + length_of(*text) > kMaxPdu) {
       answer[kMoreAt] = kMore;
       answer[kNextAt] = number_of(*next);
       break;

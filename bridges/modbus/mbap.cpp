@@ -24,7 +24,7 @@ FoundFrame find_frame(std::span<const std::uint8_t> bytes) noexcept {
     return {};
   }
   // Counts the unit id and the PDU, which has at least its function code.
-  const std::size_t length = std::size_t{bytes[kLengthHigh]} << 8 | bytes[kLengthLow];
+  const std::size_t length = word_at(bytes, kLengthHigh);
   if (length < 2 || length > 1 + kMaxPdu) {
     return kBroken;
   }

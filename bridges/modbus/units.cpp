@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/modbus/general_reference.h"
-#include "bridges/modbus/identification.h"
-#include "bridges/modbus/told_identity.h"
+#include "bridges/modbus/drive_objects.h"
 
 namespace modbus {
 

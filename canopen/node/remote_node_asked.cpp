@@ -229,6 +229,7 @@ void RemoteNode::withdraw_nmt(NmtGroup which) {
 void RemoteNode::on_nmt_left(NmtCommand command) {
   switch (command) {
     case NmtCommand::start:
+      change_status([](NodeStatus& status) { status.commanded.reset(); });
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:

@@ -139,20 +139,22 @@ void check_flat(const Model& model, const Node& root, const Tables& tables, Repo
   if (!model.modbus) {
     return;  // As any unit.
   }
+  // What is written wrong has its finding, and was written all the same.
+  const Node& modbus = *read_table(root, "modbus");
+  const bool has_unit = modbus.find("flat_unit") != nullptr;
   bool any = false;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
     const Drive& drive = model.drives[i];
-    any = any || drive.flat;
-    if (drive.flat && !model.modbus->flat_unit) {
+    any = any || tables[i]->find("flat") != nullptr;
+    if (drive.flat && !has_unit) {
       report.error(place_of(*tables[i], "flat"),
                    "drive \"" + drive.name + "\": flat needs modbus.flat_unit, the unit that shows it");
     } else if (drive.flat) {
       check_block(model, i, *tables[i], report);
     }
   }
-  if (model.modbus->flat_unit && !any) {
-    report.warning(place_of(*read_table(root, "modbus"), "flat_unit"),
-                   "modbus.flat_unit shows nothing: no drive has a base there (`flat`)");
+  if (has_unit && !any) {
+    report.warning(place_of(modbus, "flat_unit"), "modbus.flat_unit shows nothing: no drive has a base there (`flat`)");
   }
 }
 

@@ -14,7 +14,7 @@ using modbus_test::Site;
 using std::chrono::milliseconds;
 
 constexpr std::uint8_t kFlat = 1;
-constexpr std::uint16_t kStop = 5;
+constexpr std::uint16_t kStopWord = 5;
 
 /// pump1 from 3000 on, and behind it fan1, which is out of service and has no unit of its own.
 config::Model model() {
@@ -23,7 +23,7 @@ config::Model model() {
   model.drives[0].flat = 3000;
   canopen::MotorSigns& motor = model.drives[0].node.motor;
   motor.control = modbus_test::kControlObject;
-  motor.stops = {{0xFFFF, kStop}};
+  motor.stops = {{0xFFFF, kStopWord}};
   config::Drive fan = model.drives[0];
   fan.name = "fan1";
   fan.unit.reset();
@@ -142,7 +142,7 @@ TEST_F(FlatUnit, AStopIsOneThereToo) {
   EXPECT_EQ(ask("17 0bb8 0001 0c1c 0001 02 0005"), "97 0b");
   ASSERT_FALSE(puppet().written.empty()) << "but no stop";
   EXPECT_EQ(puppet().written.back().object, modbus_test::kControlObject);
-  EXPECT_EQ(puppet().written.back().raw, kStop);
+  EXPECT_EQ(puppet().written.back().raw, kStopWord);
 }
 
 TEST(FlatUnitOff, IsNoUnit) {

@@ -1,17 +1,19 @@
-#include "bridges/modbus/told_identity.h"
+#include "bridges/modbus/drive_objects.h"
 
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
+#include "bridges/process/answer.h"
 #include "canopen/object.h"
 
 namespace modbus {
 namespace {
 
 struct Source {
-  IdentityId id;
-  canopen::ObjectAddress object;
+  IdentityId id{};
+  canopen::ObjectAddress object{};
 };
 
 // CiA 301 §7.5.2: identity object, manufacturer hardware and software version.
@@ -30,6 +32,13 @@ std::string visible_text(std::span<const std::uint8_t> bytes) {
   std::ranges::replace_if(text, [](char c) { return c < ' ' || c > '~'; }, '?');
   text.erase(text.find_last_not_of(' ') + 1);
   return text;
+}
+
+EncapsulatedAnswer refusal(const canopen::Error& error) {
+  if (error.kind == canopen::ErrorKind::refused && error.abort != 0) {
+    return aborted(error.abort);
+  }
+  return Exception{process::answer_of(error.kind).modbus_exception};
 }
 
 }  // namespace
@@ -53,6 +62,17 @@ boost::asio::awaitable<std::vector<IdentityObject>> told_identity(process::Drive
     }
   }
   co_return objects;
+}
+
+boost::asio::awaitable<EncapsulatedAnswer> carry_out(process::Drive& drive, std::span<const std::uint8_t> pdu,
+                                                     Reference reference, process::Origin origin) {
+  if (reference.write) {
+    std::vector<std::uint8_t> data(reference.data.begin(), reference.data.end());
+    const process::Outcome outcome = co_await drive.sdo_write(std::move(origin), reference.object, std::move(data));
+    co_return outcome.has_error() ? refusal(outcome.error()) : EncapsulatedAnswer(written(pdu));
+  }
+  const canopen::Result<std::vector<std::uint8_t>> read = co_await drive.sdo_read(reference.object);
+  co_return read.has_error() ? refusal(read.error()) : EncapsulatedAnswer(bytes_read(pdu, reference, read.value()));
 }
 
 }  // namespace modbus

@@ -5,8 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "bridges/modbus/encapsulated.h"
+#include "bridges/modbus/general_reference.h"
 #include "bridges/modbus/identification.h"
+#include "bridges/process/command.h"
 #include "bridges/process/drive.h"
+
+// What function 43 reads and writes in a drive.
 
 namespace modbus {
 
@@ -15,5 +20,10 @@ namespace modbus {
 /// tell now: no_response.
 [[nodiscard]] boost::asio::awaitable<std::vector<IdentityObject>> told_identity(process::Drive& drive,
                                                                                 std::span<const std::uint8_t> pdu);
+
+/// Carries `pdu`, which is that of `reference` and outlives the call, out on that drive.
+[[nodiscard]] boost::asio::awaitable<EncapsulatedAnswer> carry_out(process::Drive& drive,
+                                                                   std::span<const std::uint8_t> pdu,
+                                                                   Reference reference, process::Origin origin);
 
 }  // namespace modbus
