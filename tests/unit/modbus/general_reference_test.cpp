@@ -26,7 +26,7 @@ using modbus_test::TcpClient;
 using std::chrono::milliseconds;
 
 // 0x2000:01 and :02 are the command signals of the drive, 0x3000:04 is one of a single byte, 0x2FFF:00 is no signal.
-constexpr canopen::ObjectAddress kNoSignal{0x2FFF, 0};
+constexpr canopen::ObjectAddress kOtherObject{0x2FFF, 0};
 constexpr const char* kReadControl = "2b 0d 00 00 05 2000 01 0000 0000";
 
 std::string digits(const Bytes& bytes) {
@@ -111,7 +111,7 @@ class GeneralReferenceTest : public testing::Test {
   }
   void begin(config::Model model) {
     site_ = std::make_unique<Site>(std::move(model));
-    site_->puppet().dictionary[kNoSignal] = {.value = 0x04030201, .size = 4};
+    site_->puppet().dictionary[kOtherObject] = {.value = 0x04030201, .size = 4};
     site_->bring_up();
     site_->puppet().written.clear();
   }
@@ -150,7 +150,7 @@ TEST_F(GeneralReferenceTest, ReadsWhatTheDriveHas) {
 TEST_F(GeneralReferenceTest, TellsTheAbortOfTheDrive) {
   begin(model(true));
   EXPECT_EQ(ask("2b 0d 00 00 05 4444 00 0000 0000"), "abff00060dec06020000");
-  site_->puppet().refuse_writes[kNoSignal] = 0x06010002;
+  site_->puppet().refuse_writes[kOtherObject] = 0x06010002;
   EXPECT_EQ(ask("2b 0d 01 00 05 2fff 00 0000 0001 07"), "abff00060dec06010002");
   EXPECT_EQ(site_->ask("03 03f4 0002"), "03 04 0601 0002");  // 1012, 1013: of the command
 }
@@ -168,9 +168,9 @@ TEST_F(GeneralReferenceTest, ADriveTakesOnlyItsOwnNode) {
 TEST_F(GeneralReferenceTest, AWriteIsConfirmedWithItsHead) {
   begin(model(true));
   EXPECT_EQ(ask("2b 0d 01 00 05 2fff 00 0000 0004 0a0b0c0d"), "2b0d0100052fff0000000000");
-  EXPECT_EQ(written().back(), (canopen::ObjectValue{kNoSignal, canopen::DataType::u32, 0x0D0C0B0A}));
+  EXPECT_EQ(written().back(), (canopen::ObjectValue{kOtherObject, canopen::DataType::u32, 0x0D0C0B0A}));
   EXPECT_EQ(ask("2b 0d 01 00 05 2fff 00 0000 0003 010203", 255), "2b0d0100052fff0000000000");
-  EXPECT_EQ(written().back(), (canopen::ObjectValue{kNoSignal, canopen::DataType::u32, 0x030201}));
+  EXPECT_EQ(written().back(), (canopen::ObjectValue{kOtherObject, canopen::DataType::u32, 0x030201}));
 }
 
 TEST_F(GeneralReferenceTest, ASignalsObjectGoesTheSignalsWay) {
