@@ -32,11 +32,10 @@ Loaded load_text(std::string_view text, const LoadOptions& options, ProfileLibra
   model.buses = read_buses(root, report);
   model.modbus = read_modbus(root, report);
   model.mqtt = read_mqtt(root, options.file.parent_path(), options.with_secrets, report);
-  const auto drives = read_tables(root, "drive");
-  for (const Node* const table : drives) {
+  for (const Node* const table : read_tables(root, "drive")) {
     model.drives.push_back(build_drive(*table, model.drives.size() + 1, model, library, report));
   }
-  check_drives(model, drives, report);
+  check_drives(model, root, report);
   if (report.has_errors()) {
     return {.model = std::nullopt, .findings = report.take()};
   }

@@ -181,9 +181,10 @@ struct Drive {
   bool enabled = true;  ///< False: out of service. No traffic, no alarms; unit and addresses stay.
   std::size_t bus = 0;  ///< Position in Model::buses.
   std::string profile;
-  std::optional<std::uint8_t> unit;  ///< Modbus unit 1..247; nothing: not on Modbus.
-  canopen::NodeSettings node;        ///< node.node is the node id.
-  std::vector<Signal> signals;       ///< Words before the booleans derived from them.
+  std::optional<std::uint8_t> unit;   ///< Modbus unit 1..247; nothing: it has none of its own.
+  std::optional<std::uint16_t> flat;  ///< Base of its block on Modbus::flat_unit; nothing: it is not there.
+  canopen::NodeSettings node;         ///< node.node is the node id.
+  std::vector<Signal> signals;        ///< Words before the booleans derived from them.
   FaultRules faults;
   Commands commands;
   OnStale on_stale = OnStale::exception;
@@ -213,6 +214,7 @@ struct Modbus {
   std::vector<Network> write_from{{"127.0.0.0", 8}, {"::1", 128}};
   WordOrder word_order = WordOrder::big;
   OnStale on_stale = OnStale::exception;  ///< What drives have that say nothing else.
+  std::optional<std::uint8_t> flat_unit;  ///< 1..247: shows all drives that have a base; nothing: there is none.
   friend bool operator==(const Modbus&, const Modbus&) = default;
 };
 

@@ -39,6 +39,9 @@ std::string what_of(const CommandRecord& record) {
     return record.nmt ? "NMT " + std::string(canopen::name_of(*record.nmt)) : "NMT (no command)";
   }
   if (record.kind == CommandRecord::Kind::raw) {
+    if (record.object && !record.bytes.empty()) {
+      return fmt::format("object {}, {} bytes", canopen::to_string(record.object->object), record.bytes.size());
+    }
     return record.object ? fmt::format("object {} = {}", canopen::to_string(record.object->object), record.object->raw)
                          : "object (no request)";
   }

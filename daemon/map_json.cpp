@@ -41,14 +41,18 @@ json::value json_values(const config::Signal& signal) {
   return names;
 }
 
-json::value json_modbus(const config::Drive& drive, const config::Signal& signal) {
+json::value json_modbus(const config::Model& model, const config::Drive& drive, const config::Signal& signal) {
   const std::optional<config::ModbusPlace> place = modbus_place(drive, signal);
   if (!place) {
     return nullptr;
   }
-  return {{"kind", place->kind == config::ModbusKind::bit ? "bit" : "register"},
-          {"address", place->address},
-          {"count", place->count}};
+  json::object object{{"kind", place->kind == config::ModbusKind::bit ? "bit" : "register"},
+                      {"address", place->address},
+                      {"count", place->count}};
+  if (const std::optional<std::uint16_t> flat = flat_address(model, drive, signal)) {
+    object["flat"] = *flat;
+  }
+  return object;
 }
 
 json::object json_signal(const config::Model& model, const config::Drive& drive, const config::Signal& signal) {
@@ -63,7 +67,7 @@ json::object json_signal(const config::Model& model, const config::Drive& drive,
   object["min"] = value_or_null(signal.min);
   object["max"] = value_or_null(signal.max);
   object["values"] = json_values(signal);
-  object["modbus"] = json_modbus(drive, signal);
+  object["modbus"] = json_modbus(model, drive, signal);
   object["mqtt"] = {{"topic", value_or_null(value_topic(model, drive, signal))},
                     {"set", value_or_null(set_topic(model, drive, signal))}};
   object["unconfirmed"] = signal.unconfirmed;
@@ -77,6 +81,9 @@ json::object json_drive(const config::Model& model, const config::Drive& drive) 
   object["node"] = drive.node.node;
   object["profile"] = drive.profile;
   object["modbus_unit"] = value_or_null(drive.unit);
+  if (drive.flat) {
+    object["flat"] = *drive.flat;
+  }
   json::array& signals = object["signals"].emplace_array();
   for (const config::Signal& signal : drive.signals) {
     signals.emplace_back(json_signal(model, drive, signal));
@@ -128,6 +135,9 @@ std::string render_map_json(const config::Model& model) {
   json::object map;
   map["gateway"] = model.gateway.name;
   map["base"] = base_topic(model);
+  if (model.modbus && model.modbus->flat_unit) {
+    map["flat_unit"] = *model.modbus->flat_unit;
+  }
   json::array& buses = map["buses"].emplace_array();
   for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
     buses.emplace_back(json_bus(model, bus));

@@ -24,15 +24,25 @@ std::string number_of(const std::optional<double>& number) {
 }
 
 /// `5: register 2`, `5: register 200-201`, `5: bit 0`.
-std::string modbus_of(const config::Drive& drive, const config::Signal& signal) {
-  const std::optional<config::ModbusPlace> place = modbus_place(drive, signal);
-  if (!place) {
-    return "";
+std::string place_text(std::uint8_t unit, const config::ModbusPlace& place) {
+  std::string text = std::to_string(unit) + (place.kind == config::ModbusKind::bit ? ": bit " : ": register ") +
+                     std::to_string(place.address);
+  if (place.count > 1) {
+    text.append("-").append(std::to_string(place.address + place.count - 1));
   }
-  std::string text = std::to_string(*drive.unit) + (place->kind == config::ModbusKind::bit ? ": bit " : ": register ") +
-                     std::to_string(place->address);
-  if (place->count > 1) {
-    text.append("-").append(std::to_string(place->address + place->count - 1));
+  return text;
+}
+
+/// On its own unit and on the flat one: `5: register 2; 1: register 3002`.
+std::string modbus_of(const config::Model& model, const config::Drive& drive, const config::Signal& signal) {
+  std::string text;
+  std::optional<config::ModbusPlace> place = modbus_place(drive, signal);
+  if (place && drive.unit) {
+    text = place_text(*drive.unit, *place);
+  }
+  if (const std::optional<std::uint16_t> flat = flat_address(model, drive, signal); place && flat) {
+    place->address = *flat;
+    text += (text.empty() ? "" : "; ") + place_text(*model.modbus->flat_unit, *place);
   }
   return text;
 }
@@ -44,8 +54,9 @@ std::vector<Row> rows_of(const config::Model& model) {
       rows.push_back({drive.name, signal.name, canopen::to_string(signal.object),
                       std::string(canopen::name_of(signal.type)), config::to_text(signal.scale), signal.unit,
                       std::string(to_text(signal.access)), to_text(signal.source), number_of(signal.min),
-                      number_of(signal.max), modbus_of(drive, signal), value_topic(model, drive, signal).value_or(""),
-                      set_topic(model, drive, signal).value_or(""), signal.unconfirmed ? "unconfirmed" : ""});
+                      number_of(signal.max), modbus_of(model, drive, signal),
+                      value_topic(model, drive, signal).value_or(""), set_topic(model, drive, signal).value_or(""),
+                      signal.unconfirmed ? "unconfirmed" : ""});
     }
   }
   return rows;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "config/address_map.h"
+
 namespace gateway {
 namespace {
 
@@ -27,8 +29,18 @@ std::optional<std::string> set_topic(const config::Model& model, const config::D
 }
 
 std::optional<config::ModbusPlace> modbus_place(const config::Drive& drive, const config::Signal& signal) {
-  const bool mapped = drive.unit.has_value() && signal.modbus.kind != config::ModbusKind::none;
+  const bool mapped = (drive.unit || drive.flat) && signal.modbus.kind != config::ModbusKind::none;
   return mapped ? std::optional(signal.modbus) : std::nullopt;
+}
+
+std::optional<std::uint16_t> flat_address(const config::Model& model, const config::Drive& drive,
+                                          const config::Signal& signal) {
+  const bool has_unit = model.modbus && model.modbus->flat_unit;
+  const bool there = signal.modbus.kind != config::ModbusKind::none &&
+                     signal.modbus.address + signal.modbus.count <= config::kFlatSignals;
+  return has_unit && drive.flat && there
+             ? std::optional(static_cast<std::uint16_t>(*drive.flat + signal.modbus.address))
+             : std::nullopt;
 }
 
 double percent(double share) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,8 +20,12 @@ namespace gateway {
 [[nodiscard]] std::optional<std::string> set_topic(const config::Model& model, const config::Drive& drive,
                                                    const config::Signal& signal);
 
-/// Nothing for a signal, or a whole drive, that is not on Modbus.
+/// As the drive's own unit has it. Nothing for a signal, or a whole drive, that is not on Modbus.
 [[nodiscard]] std::optional<config::ModbusPlace> modbus_place(const config::Drive& drive, const config::Signal& signal);
+
+/// The signal's address on the flat unit; nothing where it is not there.
+[[nodiscard]] std::optional<std::uint16_t> flat_address(const config::Model& model, const config::Drive& drive,
+                                                        const config::Signal& signal);
 
 /// A share of a bus in percent, with one decimal: 0.27345 gives 27.3.
 [[nodiscard]] double percent(double share) noexcept;

@@ -55,6 +55,21 @@ void append_fields(std::string& out, const process::CommandRecord& record) {
   out += ']';
 }
 
+void append_object(std::string& out, const canopen::ObjectValue& value, const std::vector<std::uint8_t>& bytes) {
+  out += "\"object\":\"" + canopen::to_string(value.object) + '"';
+  if (bytes.empty()) {
+    out += ",\"type\":\"";
+    out += canopen::name_of(value.type);
+    append_raw(out += "\",\"asked\":", value.type, value.raw);
+    return;
+  }
+  out += ",\"bytes\":\"";
+  for (const std::uint8_t byte : bytes) {
+    out += canopen::hex(byte, 2);
+  }
+  out += '"';
+}
+
 }  // namespace
 
 std::string who_text(const process::CommandRecord& record) {
@@ -84,17 +99,13 @@ std::string what_text(const process::CommandRecord& record) {
         text += "null";  // it was no command
       }
       break;
-    case process::CommandRecord::Kind::raw: {
+    case process::CommandRecord::Kind::raw:
       if (!record.object) {
         text += "\"object\":null";  // it was no request that can be carried out
         break;
       }
-      const canopen::ObjectValue& value = *record.object;
-      text += "\"object\":\"" + canopen::to_string(value.object) + "\",\"type\":\"";
-      text += canopen::name_of(value.type);
-      append_raw(text += "\",\"asked\":", value.type, value.raw);
+      append_object(text, *record.object, record.bytes);
       break;
-    }
   }
   return text;
 }

@@ -4,6 +4,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/system/error_code.hpp>
 #include <utility>
 #include <variant>
@@ -14,6 +15,14 @@ using boost::asio::awaitable;
 using boost::asio::redirect_error;
 using boost::asio::use_awaitable;
 using boost::asio::ip::tcp;
+
+namespace {
+
+// Added to the function that an exception answers. Who asks for one that has it already is answered with the same code;
+// libmodbus would add it again, and 0x90 would read like a write that was carried out.
+constexpr std::uint8_t kExceptionBit = 0x80;
+
+}  // namespace
 
 Client::Client(tcp::socket socket, std::string address, bool may_write, Units& units, Replier& replier)
     : socket_(std::move(socket)),
@@ -45,12 +54,16 @@ awaitable<void> Client::serve() {
     const std::span<const std::uint8_t> bytes(received_.data(), filled_);
     std::size_t used = 0;
     FoundFrame found = find_frame(bytes);
-    for (; found.framing == Framing::complete; found = find_frame(bytes.subspan(used))) {
+    for (; found.framing == Framing::complete && socket_.is_open(); found = find_frame(bytes.subspan(used))) {
       const std::span<const std::uint8_t> frame = bytes.subspan(used, found.size);
       used += found.size;
       active_ = canopen::Clock::now();
       if (begin(frame)) {
         co_await carry_out(unit_of(frame));
+      }
+      if (!answer_.pdu.empty()) {
+        co_await write_worded(frame);
+        continue;
       }
       Sent sent = send_answer(frame);
       while (sent == Sent::would_block) {
@@ -72,19 +85,24 @@ awaitable<void> Client::serve() {
 
 bool Client::begin(std::span<const std::uint8_t> frame) {
   const std::uint8_t unit = unit_of(frame);
+  const std::uint8_t function = pdu_of(frame)[0];
+  answer_.pdu.clear();
   if (!units_.has(unit)) {
-    answer_.exception = Exception::unknown_unit;
+    refuse(function, Exception::unknown_unit);
     return false;
   }
   const std::variant<Request, Exception> parsed = parse_request(pdu_of(frame));
   if (const auto* const refused = std::get_if<Exception>(&parsed)) {
-    answer_.exception = *refused;
+    refuse(function, *refused);
     return false;
   }
   answer_.request = std::get<Request>(parsed);
   answer_.exception.reset();
   if (may_write_) {
-    units_.sign_of_life(unit, writer_);
+    units_.sign_of_life(unit, answer_.request, writer_);
+  }
+  if (answer_.request.is_encapsulated()) {
+    return true;
   }
   if (answer_.request.writes() && !may_write_) {
     units_.note_refused(unit, answer_.request, {.writer = writer_},
@@ -109,11 +127,40 @@ bool Client::begin(std::span<const std::uint8_t> frame) {
 awaitable<void> Client::carry_out(std::uint8_t unit) {
   commanding_ = true;
   process::Origin origin{.writer = writer_};
-  answer_.exception = co_await units_.write(unit, answer_.request, std::move(origin));
+  if (answer_.request.is_encapsulated()) {
+    EncapsulatedAnswer answer = co_await units_.encapsulated(unit, answer_.request, std::move(origin), may_write_);
+    if (auto* const pdu = std::get_if<std::vector<std::uint8_t>>(&answer)) {
+      answer_.pdu = std::move(*pdu);
+    } else {
+      answer_.exception = std::get<Exception>(answer);
+    }
+  } else {
+    answer_.exception = co_await units_.write(unit, answer_.request, std::move(origin));
+  }
   commanding_ = false;
   active_ = canopen::Clock::now();
   if (answer_.request.reads() && !answer_.exception) {
     answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
+    if (answer_.exception) {
+      units_.note_unread(unit, answer_.request, writer_);
+    }
+  }
+}
+
+awaitable<void> Client::write_worded(std::span<const std::uint8_t> frame) {
+  boost::system::error_code failed;
+  const auto worded = frame_answer(frame, answer_.pdu, worded_);
+  const auto bytes = boost::asio::buffer(worded.data(), worded.size());
+  co_await boost::asio::async_write(socket_, bytes, redirect_error(use_awaitable, failed));
+  if (failed) {
+    close();
+  }
+}
+
+void Client::refuse(std::uint8_t function, Exception exception) {
+  answer_.exception = exception;
+  if (function >= kExceptionBit) {
+    answer_.pdu = {function, static_cast<std::uint8_t>(exception)};
   }
 }
 

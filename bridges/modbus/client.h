@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "bridges/modbus/exception.h"
 #include "bridges/modbus/mbap.h"
@@ -39,11 +40,15 @@ class Client {
   struct Answer {
     std::optional<Exception> exception;
     Request request;
+    std::vector<std::uint8_t> pdu{};  ///< Where libmodbus has no words: the answer itself. Else empty.
   };
 
-  /// Answers reads at once; true: a write remains to be carried out.
+  /// Answers reads at once; true: something remains to be carried out.
   [[nodiscard]] bool begin(std::span<const std::uint8_t> frame);
   boost::asio::awaitable<void> carry_out(std::uint8_t unit);
+  /// Sends Answer::pdu; closes a connection that takes it no more.
+  boost::asio::awaitable<void> write_worded(std::span<const std::uint8_t> frame);
+  void refuse(std::uint8_t function, Exception exception);
   [[nodiscard]] Sent send_answer(std::span<const std::uint8_t> frame);
 
   boost::asio::ip::tcp::socket socket_;
@@ -53,6 +58,7 @@ class Client {
   Replier& replier_;
 
   std::array<std::uint8_t, kMaxFrame> received_{};
+  std::array<std::uint8_t, kMaxFrame> worded_{};
   std::size_t filled_ = 0;
   Answer answer_;
   Snapshot snapshot_;

@@ -38,7 +38,7 @@ std::uint16_t state_bits(const process::Drive& drive, canopen::TimePoint now) {
   const canopen::NodeStatus& status = drive.status();
   const process::ControlState control = drive.control();
   const std::array bits{status.online,
-                        status.nmt == canopen::NmtState::operational,
+                        status.nmt_now() == canopen::NmtState::operational,
                         drive.has_fault_alarm(),
                         drive.has_warning_alarm(),
                         drive.image().all_fresh(now),
@@ -59,7 +59,7 @@ Diagnostics diagnostics_of(const process::Drive& drive, config::WordOrder order,
   const alarms::Alarm& emergency = drive.alarm(alarms::AlarmKind::emcy);
   Diagnostics block{};
   block[0] = state_bits(drive, now);
-  block[1] = static_cast<std::uint16_t>(status.nmt);
+  block[1] = static_cast<std::uint16_t>(status.nmt_now());
   block[2] = static_cast<std::uint16_t>(status.boot_result);
   block[4] = emergency.error_register;
   if (emergency.active) {

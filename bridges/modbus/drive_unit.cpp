@@ -190,19 +190,17 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
   }
   WritePlan planned = plan(request, request.values);
   if (const auto* const refused = std::get_if<Exception>(&planned)) {
-    // Whether the writer may command at all goes before what is wrong with the command.
-    const process::Outcome told =
-        drive().refuse(std::move(origin), process::CommandRecord::Kind::write, mistake_of(*refused, request));
-    co_return exception_of(told.error());
+    co_return note_refused(request, std::move(origin), mistake_of(*refused, request));
   }
   auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
   const process::Outcome outcome = co_await drive().write(std::move(origin), std::move(fields));
   co_return outcome.has_error() ? std::optional(exception_of(outcome.error())) : std::nullopt;
 }
 
-void DriveUnit::note_refused(const Request& request, process::Origin origin, canopen::Error why) {
+Exception DriveUnit::note_refused(const Request& request, process::Origin origin, canopen::Error why) {
   using Kind = process::CommandRecord::Kind;
-  (void)drive().refuse(std::move(origin), writes_nmt(request) ? Kind::nmt : Kind::write, std::move(why));
+  const Kind kind = writes_nmt(request) ? Kind::nmt : Kind::write;
+  return exception_of(drive().refuse(std::move(origin), kind, std::move(why)).error());
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write_nmt(std::optional<std::uint16_t> number,

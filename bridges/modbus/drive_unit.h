@@ -22,6 +22,8 @@ class DriveUnit {
   /// `plant` outlives the unit.
   DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order);
 
+  [[nodiscard]] process::Drive& drive() const { return plant_.drive(index_); }
+
   void on_values(std::span<const process::SignalId> signals);
   void sign_of_life(const process::Writer& writer);
 
@@ -31,13 +33,13 @@ class DriveUnit {
   [[nodiscard]] std::optional<Exception> read_bits(Range range, canopen::TimePoint now,
                                                    std::span<std::uint8_t> out) const;
   [[nodiscard]] bool is_stop(const Request& request) const;
-  /// A write that is refused before it is looked at: the drive notes it.
-  void note_refused(const Request& request, process::Origin origin, canopen::Error why);
+  /// A write that is refused before it is looked at: the drive notes it. Returns what is to be told: who may not
+  /// command it at all hears that.
+  Exception note_refused(const Request& request, process::Origin origin, canopen::Error why);
   /// Nothing: confirmed. What request.values points to outlives the call.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
 
  private:
-  [[nodiscard]] process::Drive& drive() const { return plant_.drive(index_); }
   void show(process::SignalId signal);
   enum class Quality : std::uint8_t {
     good,

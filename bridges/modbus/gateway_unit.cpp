@@ -5,8 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "bridges/modbus/diagnostics.h"
-#include "bridges/modbus/process_table.h"
 #include "bridges/modbus/words.h"
 #include "bridges/process/stop_all.h"
 
@@ -115,10 +113,12 @@ GatewayUnit::BusBlock GatewayUnit::bus_block(std::size_t bus) const {
   block[5] = statistics.frames_lost;
   put_words(statistics.frames_received, order_, std::span(block).subspan<6, 2>());
   put_words(statistics.frames_sent, order_, std::span(block).subspan<8, 2>());
+  block[18] = statistics.highest_load_per_mille;
+  block[19] = statistics.error_frames;
   for (std::size_t i = 0; i < plant_.size(); ++i) {
     const process::Drive& drive = plant_.drive(i);
     const canopen::NodeStatus& status = drive.status();
-    if (drive.model().bus == bus && status.online && status.nmt == canopen::NmtState::operational) {
+    if (drive.model().bus == bus && status.online && status.nmt_now() == canopen::NmtState::operational) {
       const std::size_t node = drive.model().node.node;
       std::uint16_t& word = block[kNodeBitsBegin + node / 16];
       word = static_cast<std::uint16_t>(word | 1U << (node % 16));

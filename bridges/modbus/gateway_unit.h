@@ -7,17 +7,13 @@
 #include <optional>
 #include <span>
 
+#include "bridges/modbus/addresses.h"
 #include "bridges/modbus/exception.h"
 #include "bridges/modbus/request.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
 
 namespace modbus {
-
-inline constexpr std::uint16_t kBusBlockBegin = 100;
-inline constexpr std::uint16_t kBusBlockSize = 20;
-/// Any value but 0 written there by function 6 or 16 is a stop for all.
-inline constexpr std::uint16_t kStopRegister = 20;
 
 /// The gateway itself, units 0 and 255: filled in when asked for, and read-only but for kStopRegister.
 class GatewayUnit {

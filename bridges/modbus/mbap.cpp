@@ -1,5 +1,7 @@
 #include "bridges/modbus/mbap.h"
 
+#include <algorithm>
+
 namespace modbus {
 namespace {
 
@@ -9,8 +11,6 @@ constexpr std::size_t kLengthHigh = 4;
 constexpr std::size_t kLengthLow = 5;
 constexpr std::size_t kUnit = 6;
 constexpr std::size_t kBeforeLengthCounts = 6;
-// Function codes from 128 on are answers that report an exception, never requests.
-constexpr std::uint8_t kFirstAnswerOnly = 0x80;
 
 }  // namespace
 
@@ -24,11 +24,8 @@ FoundFrame find_frame(std::span<const std::uint8_t> bytes) noexcept {
     return {};
   }
   // Counts the unit id and the PDU, which has at least its function code.
-  const std::size_t length = std::size_t{bytes[kLengthHigh]} << 8 | bytes[kLengthLow];
+  const std::size_t length = word_at(bytes, kLengthHigh);
   if (length < 2 || length > 1 + kMaxPdu) {
-    return kBroken;
-  }
-  if (bytes.size() > kHeaderSize && bytes[kHeaderSize] >= kFirstAnswerOnly) {
     return kBroken;
   }
   const std::size_t size = kBeforeLengthCounts + length;
@@ -36,6 +33,16 @@ FoundFrame find_frame(std::span<const std::uint8_t> bytes) noexcept {
     return {};
   }
   return {.framing = Framing::complete, .size = size};
+}
+
+std::span<const std::uint8_t> frame_answer(std::span<const std::uint8_t> frame, std::span<const std::uint8_t> pdu,
+                                           std::span<std::uint8_t, kMaxFrame> out) noexcept {
+  std::ranges::copy(frame.first<kHeaderSize>(), out.begin());
+  const std::size_t length = pdu.size() + 1;
+  out[kLengthHigh] = static_cast<std::uint8_t>(length >> 8);
+  out[kLengthLow] = static_cast<std::uint8_t>(length);
+  std::ranges::copy(pdu, out.begin() + kHeaderSize);
+  return out.first(kHeaderSize + pdu.size());
 }
 
 std::uint8_t unit_of(std::span<const std::uint8_t> frame) noexcept {

@@ -24,9 +24,20 @@ struct FoundFrame {
   std::size_t size = 0;  ///< Of the complete frame, header included: 8..kMaxFrame.
 };
 
+/// Two bytes, high byte first; `bytes` holds them.
+[[nodiscard]] constexpr std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
+  return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
+}
+
 /// Looks for the frame at the beginning of `bytes`. Judges as early as it can: a wrong protocol id is broken before the
 /// rest has come.
 [[nodiscard]] FoundFrame find_frame(std::span<const std::uint8_t> bytes) noexcept;
+
+/// The answer to the request `frame`: its header with `pdu`, at most kMaxPdu bytes, behind it. Returns the part of
+/// `out` that it fills.
+[[nodiscard]] std::span<const std::uint8_t> frame_answer(std::span<const std::uint8_t> frame,
+                                                         std::span<const std::uint8_t> pdu,
+                                                         std::span<std::uint8_t, kMaxFrame> out) noexcept;
 
 /// Of a complete frame.
 [[nodiscard]] std::uint8_t unit_of(std::span<const std::uint8_t> frame) noexcept;

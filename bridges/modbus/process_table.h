@@ -3,14 +3,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "bridges/modbus/addresses.h"
 #include "bridges/process/image.h"
 #include "config/model.h"
 
 namespace modbus {
 
-/// Addresses below this exist on every unit: those without a signal read 0, so that a client may read the common block
-/// in one go whatever the drive.
-inline constexpr std::uint16_t kCommonAddresses = 200;
 inline constexpr process::SignalId kNoSignal = 0xFFFF;
 
 /// The registers and bits of one drive's signals, indexed by address from 0 on.

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include "bridges/modbus/mbap.h"
+
 namespace modbus {
 namespace {
 
@@ -16,10 +18,6 @@ constexpr std::uint16_t kCoilOff = 0x0000;
 using Bytes = std::span<const std::uint8_t>;
 using Parsed = std::variant<Request, Exception>;
 
-std::uint16_t word(Bytes pdu, std::size_t at) noexcept {
-  return static_cast<std::uint16_t>(pdu[at] << 8 | pdu[at + 1]);
-}
-
 bool within_addresses(Range range) noexcept {
   return std::size_t{range.address} + range.quantity <= 0x10000;
 }
@@ -32,7 +30,7 @@ Parsed parse_read(Bytes pdu, std::uint16_t most) noexcept {
   if (pdu.size() != 5) {
     return Exception::illegal_value;
   }
-  const Range range{.address = word(pdu, 1), .quantity = word(pdu, 3)};
+  const Range range{.address = word_at(pdu, 1), .quantity = word_at(pdu, 3)};
   if (!within(range, most)) {
     return Exception::illegal_value;
   }
@@ -48,13 +46,13 @@ Parsed parse_single_coil(Bytes pdu) noexcept {
   if (pdu.size() != 5) {
     return Exception::illegal_value;
   }
-  const std::uint16_t value = word(pdu, 3);
+  const std::uint16_t value = word_at(pdu, 3);
   if (value != kCoilOn && value != kCoilOff) {
     return Exception::illegal_value;
   }
   return Request{.function = Function::write_single_coil,
                  .read = {},
-                 .write = {.address = word(pdu, 1), .quantity = 1},
+                 .write = {.address = word_at(pdu, 1), .quantity = 1},
                  .values = value == kCoilOn ? Bytes(kOn) : Bytes(kOff)};
 }
 
@@ -64,7 +62,7 @@ Parsed parse_single_register(Bytes pdu) noexcept {
   }
   return Request{.function = Function::write_single_register,
                  .read = {},
-                 .write = {.address = word(pdu, 1), .quantity = 1},
+                 .write = {.address = word_at(pdu, 1), .quantity = 1},
                  .values = pdu.subspan(3)};
 }
 
@@ -72,7 +70,7 @@ Parsed parse_multiple(Bytes pdu, std::uint16_t most, bool bits) noexcept {
   if (pdu.size() < 6) {
     return Exception::illegal_value;
   }
-  const Range range{.address = word(pdu, 1), .quantity = word(pdu, 3)};
+  const Range range{.address = word_at(pdu, 1), .quantity = word_at(pdu, 3)};
   const Bytes values = pdu.subspan(6);
   const std::size_t needed = bits ? (range.quantity + 7U) / 8U : range.quantity * 2U;
   // What was announced, what is needed and what was sent must agree.
@@ -91,18 +89,18 @@ Parsed parse_mask(Bytes pdu) noexcept {
   }
   return Request{.function = Function::mask_write_register,
                  .read = {},
-                 .write = {.address = word(pdu, 1), .quantity = 1},
+                 .write = {.address = word_at(pdu, 1), .quantity = 1},
                  .values = {},
-                 .and_mask = word(pdu, 3),
-                 .or_mask = word(pdu, 5)};
+                 .and_mask = word_at(pdu, 3),
+                 .or_mask = word_at(pdu, 5)};
 }
 
 Parsed parse_read_write(Bytes pdu) noexcept {
   if (pdu.size() < 10) {
     return Exception::illegal_value;
   }
-  const Range read{.address = word(pdu, 1), .quantity = word(pdu, 3)};
-  const Range write{.address = word(pdu, 5), .quantity = word(pdu, 7)};
+  const Range read{.address = word_at(pdu, 1), .quantity = word_at(pdu, 3)};
+  const Range write{.address = word_at(pdu, 5), .quantity = word_at(pdu, 7)};
   const Bytes values = pdu.subspan(10);
   const std::size_t needed = std::size_t{2} * write.quantity;
   if (!within(read, kMaxReadRegisters) || !within(write, kMaxReadWriteRegisters) || pdu[9] != needed ||
@@ -113,6 +111,18 @@ Parsed parse_read_write(Bytes pdu) noexcept {
     return Exception::illegal_address;
   }
   return Request{.function = Function::read_write_multiple_registers, .read = read, .write = write, .values = values};
+}
+
+Parsed parse_encapsulated(Bytes pdu) noexcept {
+  if (pdu.size() < 2) {
+    return Exception::illegal_value;
+  }
+  switch (Encapsulated{pdu[1]}) {
+    case Encapsulated::canopen:
+    case Encapsulated::device_identification:
+      return Request{.function = Function::encapsulated_interface, .encapsulated = pdu};
+  }
+  return Exception::illegal_function;
 }
 
 }  // namespace
@@ -145,6 +155,8 @@ Parsed parse_request(Bytes pdu) noexcept {
       return parse_mask(pdu);
     case Function::read_write_multiple_registers:
       return parse_read_write(pdu);
+    case Function::encapsulated_interface:
+      return parse_encapsulated(pdu);
   }
   return Exception::illegal_function;
 }

@@ -10,7 +10,7 @@ namespace modbus {
 class Server::Body {
  public:
   Body(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings)
-      : units(plant, settings.word_order), connections(std::move(executor), settings, units) {}
+      : units(plant, settings), connections(std::move(executor), settings, units) {}
 
   Units units;
   Connections connections;

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "bridges/modbus/drive_unit.h"
+#include "bridges/modbus/encapsulated.h"
 #include "bridges/modbus/exception.h"
+#include "bridges/modbus/flat_unit.h"
 #include "bridges/modbus/gateway_unit.h"
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/snapshot.h"
@@ -17,25 +19,32 @@
 
 namespace modbus {
 
-/// Who answers under which unit id: the drives, and the gateway under 0 and 255.
+/// Who answers under which unit id: the drives, the flat unit, and the gateway under 0 and 255.
 class Units {
  public:
-  /// `plant` outlives the units.
-  Units(process::Plant& plant, config::WordOrder order);
+  /// `plant` and `settings` outlive the units.
+  Units(process::Plant& plant, const config::Modbus& settings);
 
   [[nodiscard]] bool has(std::uint8_t unit) const noexcept;
   /// Reads request.read. The unit exists.
   [[nodiscard]] std::optional<Exception> read(std::uint8_t unit, const Request& request, canopen::TimePoint now,
                                               Snapshot& into) const;
-  /// A client of `write_from` asked this unit for something, whatever it was. The unit exists.
-  void sign_of_life(std::uint8_t unit, const process::Writer& writer);
+  /// A client of `write_from` asked this unit for `request`, whatever that is. The unit exists.
+  void sign_of_life(std::uint8_t unit, const Request& request, const process::Writer& writer);
   /// The request stops a drive.
   [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
   /// A write that is refused before its unit sees it: the drive notes it, of a stop for all each.
   void note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why);
+  /// Of function 23: it was written, and what it was to read failed after that. For the log.
+  void note_unread(std::uint8_t unit, const Request& request, const process::Writer& writer);
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
                                                                        process::Origin origin);
+
+  /// Answers function 43; what request.encapsulated points to outlives the call. The unit exists. `may_write`: the
+  /// client is of `write_from`.
+  [[nodiscard]] boost::asio::awaitable<EncapsulatedAnswer> encapsulated(std::uint8_t unit, Request request,
+                                                                        process::Origin origin, bool may_write);
 
   [[nodiscard]] GatewayUnit& gateway() noexcept { return gateway_; }
   /// Null where the drive is not on Modbus.
@@ -44,9 +53,17 @@ class Units {
  private:
   static constexpr std::size_t kUnitIds = 256;
   [[nodiscard]] static bool is_gateway(std::uint8_t unit) noexcept { return unit == 0 || unit == kUnitIds - 1; }
+  [[nodiscard]] bool is_flat(std::uint8_t unit) const noexcept { return unit == flat_unit_; }
+  /// Whom function 43/13 means: of a drive's unit only that drive, of others the first bus that has the node. Null:
+  /// nobody.
+  [[nodiscard]] process::Drive* drive_of(std::uint8_t unit, std::uint8_t node) noexcept;
+  boost::asio::awaitable<EncapsulatedAnswer> identify_unit(std::uint8_t unit, std::span<const std::uint8_t> pdu);
 
+  process::Plant& plant_;
+  std::optional<std::uint8_t> flat_unit_;
   GatewayUnit gateway_;
   std::vector<std::unique_ptr<DriveUnit>> of_drive_;  ///< By position in the plant.
+  FlatUnit flat_;
   std::array<DriveUnit*, kUnitIds> by_id_{};
 };
 

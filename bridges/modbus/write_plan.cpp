@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "bridges/modbus/diagnostics.h"
+#include "bridges/modbus/addresses.h"
 #include "bridges/modbus/words.h"
 
 namespace modbus {
@@ -15,10 +15,6 @@ const config::Signal* writable_signal(const ProcessTable& table, process::Signal
   const config::Signal& signal = table.drive().signals[owner];
   return config::writable(signal.access) ? &signal : nullptr;
 }
-
-// Where the drives of a plant differ, 100..103 can still be written in one request.
-constexpr std::uint16_t kControlRegister = 100;
-constexpr std::uint16_t kLastBesideIt = 103;
 
 bool takes_ignored_zero(const ProcessTable& table, Range range, std::uint16_t address) {
   return address > kControlRegister && address <= kLastBesideIt && range.address <= kControlRegister &&

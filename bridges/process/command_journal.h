@@ -35,6 +35,7 @@ struct CommandRecord {
   std::vector<FieldRecord> fields;               ///< Of a write.
   std::optional<canopen::NmtCommand> nmt{};      ///< Of an NMT command.
   std::optional<canopen::ObjectValue> object{};  ///< Of a raw write.
+  std::vector<std::uint8_t> bytes{};             ///< Of one in no basic type: what stands for the value of `object`.
   bool writes_control = false;                   ///< It may start or stop the motor.
   canopen::TimePoint arrived{};
   canopen::WallTime wall{};  ///< Of its arrival, for people.

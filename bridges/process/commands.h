@@ -73,6 +73,9 @@ class Commands {
   boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command);
   boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object, canopen::DataType type);
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value);
+  boost::asio::awaitable<canopen::Result<std::vector<std::uint8_t>>> sdo_read(canopen::ObjectAddress object);
+  boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectAddress object,
+                                            std::vector<std::uint8_t> data);
   /// A command that its bridge cannot take for one: it was asked for all the same, so log and journal have it. What is
   /// told: `mistake`, or what goes before it, which is the writer and, before access, type and range, the lease.
   /// `retained` stands before the writer. `kind`: what was asked for, as far as it can be told.
@@ -141,9 +144,11 @@ class Commands {
   void supersede_older(const PendingCommand& by, std::span<const Field> fields);
   boost::asio::awaitable<Outcome> write_in_turn(PendingCommand& command, std::vector<FieldWrite> given,
                                                 const std::vector<FieldWrite>& resolved);
-  /// A raw write of a signal's object in another type.
-  Outcome refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal);
-  boost::asio::awaitable<Outcome> send_raw(PendingCommand& command, canopen::ObjectValue value);
+  /// A raw write of a signal's object in another type, or of other bytes.
+  Outcome refuse_type(Origin origin, const canopen::ObjectValue& value, std::vector<std::uint8_t> bytes,
+                      SignalId signal);
+  boost::asio::awaitable<Outcome> write_raw(Origin origin, canopen::ObjectValue value, std::vector<std::uint8_t> bytes);
+  boost::asio::awaitable<Outcome> send_raw(PendingCommand& command);
   boost::asio::awaitable<Outcome> send_nmt(PendingCommand& command, canopen::NmtCommand nmt);
   boost::asio::awaitable<Refusal> await_turn(PendingCommand& command);
   /// `running`: nothing where nobody can tell.

@@ -140,9 +140,11 @@ Outcome Commands::refuse(Origin origin, CommandRecord::Kind kind, Error mistake)
   return outcome;
 }
 
-Outcome Commands::refuse_type(Origin origin, const canopen::ObjectValue& value, SignalId signal) {
+Outcome Commands::refuse_type(Origin origin, const canopen::ObjectValue& value, std::vector<std::uint8_t> bytes,
+                              SignalId signal) {
   PendingCommand command = arrive(std::move(origin), CommandRecord::Kind::raw);
   command.record.object = value;
+  command.record.bytes = std::move(bytes);
   std::optional<Error> refused = refuse_asker(command);
   if (!refused) {
     const config::Signal& what = model_.signals[signal];

@@ -79,6 +79,14 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectValue value) {
     return commands_.sdo_write(std::move(origin), value);
   }
+  /// The same with the bytes that SDO carries, lowest first, whatever they mean: an object whole, at least one byte.
+  boost::asio::awaitable<canopen::Result<std::vector<std::uint8_t>>> sdo_read(canopen::ObjectAddress object) {
+    return commands_.sdo_read(object);
+  }
+  boost::asio::awaitable<Outcome> sdo_write(Origin origin, canopen::ObjectAddress object,
+                                            std::vector<std::uint8_t> data) {
+    return commands_.sdo_write(std::move(origin), object, std::move(data));
+  }
   /// A command that a bridge refuses by itself: noted as one, and what is to be told. The writer, and before access,
   /// type and range the lease, go before `mistake`, unless that is `retained`.
   Outcome refuse(Origin origin, CommandRecord::Kind kind, canopen::Error mistake) {
@@ -96,6 +104,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   [[nodiscard]] std::size_t last_written() const noexcept { return commands_.last_written(); }
   /// Somebody who may command this drive shows that he is there.
   void sign_of_life(const Writer& writer) { commands_.on_sign_of_life(writer); }
+  /// Something of a bridge about this drive that a person should know: for the log.
+  void remark(const std::string& text) { on_remark(text); }
   /// Before start(); null: none is kept. Outlives the drive.
   void set_journal(CommandJournal* journal) noexcept { commands_.set_journal(journal); }
 

@@ -65,7 +65,9 @@ Ticket Bus::send(TransmitClass transmit_class, const Frame& frame, TimePoint unt
 const BusStatistics& Bus::statistics() noexcept {
   if (settings_.bitrate) {
     statistics_.load_per_mille = load_.per_mille(*settings_.bitrate, Clock::now());
+    statistics_.highest_load_per_mille = load_.highest_per_mille(*settings_.bitrate, Clock::now());
   }
+  statistics_.error_frames = errors_.count();
   return statistics_;
 }
 
@@ -75,6 +77,7 @@ void Bus::on_frames(std::span<const Received> frames) {
   }
   for (const Received& received : frames) {
     ++statistics_.frames_received;
+    errors_.add(false);
     load_.add(received.frame, received.at);
     queue_.on_received(received.at);
     dispatch_.deliver(received);
@@ -90,6 +93,7 @@ void Bus::on_echo(const Frame& frame, TimePoint at) {
     return;
   }
   ++statistics_.frames_sent;
+  errors_.add(false);
   load_.add(frame, at);
   queue_.on_echo(frame, at);
   service();

@@ -13,6 +13,7 @@
 #include "canopen/bus/bus_state.h"
 #include "canopen/bus/cyclic_producer.h"
 #include "canopen/bus/dispatch.h"
+#include "canopen/bus/error_share.h"
 #include "canopen/bus/handler_list.h"
 #include "canopen/bus/link.h"
 #include "canopen/bus/subscription.h"
@@ -82,6 +83,7 @@ class Bus final : private LinkEvents {
   void on_echo(const Frame& frame, TimePoint at) override;
   void on_bus_state(const BusState& state) override;
   void on_frames_lost(std::uint32_t count) override;
+  void on_error_frame() override { errors_.add(true); }
 
   void come_up();
   void go_down();
@@ -97,6 +99,7 @@ class Bus final : private LinkEvents {
   bool told_ = false;  ///< The link said something: an interface that is missing from the start is news, too.
   BusStatistics statistics_;
   BusLoad load_;
+  ErrorShare errors_;
   SdoBudget sdo_budget_;
   Dispatch dispatch_;
   HandlerList<const BusState&> state_handlers_;

@@ -27,16 +27,22 @@ void BusLoad::add(const Frame& frame, TimePoint at) noexcept {
 }
 
 std::uint16_t BusLoad::per_mille(std::uint32_t bitrate, TimePoint now) noexcept {
-  const Bits bits = of_last_second(now);
+  move_to(now);
+  const Bits bits = of_whole_slices();
   return share(std::uint64_t{bits.sdo} + bits.others, bitrate);
 }
 
-std::uint16_t BusLoad::others_per_mille(std::uint32_t bitrate, TimePoint now) noexcept {
-  return share(of_last_second(now).others, bitrate);
+std::uint16_t BusLoad::highest_per_mille(std::uint32_t bitrate, TimePoint now) noexcept {
+  move_to(now);
+  return share(highest_, bitrate);
 }
 
-BusLoad::Bits BusLoad::of_last_second(TimePoint now) noexcept {
+std::uint16_t BusLoad::others_per_mille(std::uint32_t bitrate, TimePoint now) noexcept {
   move_to(now);
+  return share(of_whole_slices().others, bitrate);
+}
+
+BusLoad::Bits BusLoad::of_whole_slices() const noexcept {
   Bits sum;
   for (std::size_t i = 0; i < slices_.size(); ++i) {
     if (i != static_cast<std::size_t>(current_ % (kSlices + 1))) {  // That one is not over.
@@ -49,13 +55,15 @@ BusLoad::Bits BusLoad::of_last_second(TimePoint now) noexcept {
 
 void BusLoad::move_to(TimePoint now) noexcept {
   const std::int64_t slice = now.time_since_epoch() / kSlice;
-  if (slice - current_ > kSlices) {
-    slices_.fill({});
-    current_ = slice;
-  }
   while (current_ < slice) {
     ++current_;
     slices_[static_cast<std::size_t>(current_ % (kSlices + 1))] = {};
+    const Bits second = of_whole_slices();
+    highest_ = std::max(highest_, std::uint64_t{second.sdo} + second.others);
+    if (slice - current_ > kSlices) {
+      slices_.fill({});  // In a pause it only falls.
+      current_ = slice - 1;
+    }
   }
 }
 

@@ -22,7 +22,9 @@ class BusLoad {
   void add(const Frame& frame, TimePoint at) noexcept;
   /// Of the ten whole tenths before the current one; at most 1000.
   [[nodiscard]] std::uint16_t per_mille(std::uint32_t bitrate, TimePoint now) noexcept;
-  /// The same without SDO.
+  /// The highest that per_mille() could have told so far.
+  [[nodiscard]] std::uint16_t highest_per_mille(std::uint32_t bitrate, TimePoint now) noexcept;
+  /// per_mille() without SDO.
   [[nodiscard]] std::uint16_t others_per_mille(std::uint32_t bitrate, TimePoint now) noexcept;
 
  private:
@@ -31,11 +33,12 @@ class BusLoad {
     std::uint32_t others = 0;
   };
   void move_to(TimePoint now) noexcept;
-  [[nodiscard]] Bits of_last_second(TimePoint now) noexcept;
+  [[nodiscard]] Bits of_whole_slices() const noexcept;
 
   static constexpr std::int64_t kSlices = 10;
   std::array<Bits, kSlices + 1> slices_{};  ///< One more: the current, unfinished one.
   std::int64_t current_ = 0;                ///< Its number since the clock's zero.
+  std::uint64_t highest_ = 0;               ///< Bits of the busiest second.
 };
 
 }  // namespace canopen

@@ -27,6 +27,8 @@ class LinkEvents {
   virtual void on_bus_state(const BusState& state) = 0;
   /// `count` received frames were dropped before we read them (SO_RXQ_OVFL).
   virtual void on_frames_lost(std::uint32_t count) = 0;
+  /// The driver told of an error: a change of the error state, an overrun, a bus-off or the end of one.
+  virtual void on_error_frame() {}
 
  protected:
   ~LinkEvents() = default;

@@ -24,9 +24,10 @@ enum class HeldBack : std::uint8_t {
 
 /// What is known of a node right now.
 struct NodeStatus {
-  bool online = false;      ///< Error control alive, and booted or taken over, and the bus up.
-  bool configured = false;  ///< Boot or takeover finished since the last boot-up or loss.
-  NmtState nmt = NmtState::unknown;
+  bool online = false;                  ///< Error control alive, and booted or taken over, and the bus up.
+  bool configured = false;              ///< Boot or takeover finished since the last boot-up or loss.
+  NmtState nmt = NmtState::unknown;     ///< As it was heard.
+  std::optional<NmtState> commanded{};  ///< Stopped or pre-operational by a command of ours, not heard since.
   BootResult boot_result = BootResult::not_booted;
   std::string boot_text;  ///< Why boot_result is a letter, or why no more is known. Empty: nothing is wrong.
   HeldBack held_back = HeldBack::no;        ///< Of meaning beside `not_configured` only.
@@ -37,6 +38,12 @@ struct NodeStatus {
   std::uint16_t heartbeat_losses = 0;
   std::uint32_t last_abort = 0;  ///< Of the newest SDO abort, 0: none.
 
+  /// What it is by now as far as anybody knows.
+  [[nodiscard]] NmtState nmt_now() const noexcept { return commanded.value_or(nmt); }
+  void set_nmt(NmtState state) noexcept {
+    nmt = state;
+    commanded.reset();
+  }
   friend bool operator==(const NodeStatus&, const NodeStatus&) = default;
 };
 

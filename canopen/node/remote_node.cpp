@@ -149,7 +149,7 @@ boost::asio::awaitable<FoundState> RemoteNode::find(Life& life) {
   if (!life.over() && found == FoundState::operational && heard_.state != NmtState::operational) {
     heard_.state = NmtState::operational;  // By its TPDOs: nothing else tells.
     static_cast<void>(expectation_.hear(NmtState::operational, Clock::now()));
-    change_status([](NodeStatus& status) { status.nmt = NmtState::operational; });
+    change_status([](NodeStatus& status) { status.set_nmt(NmtState::operational); });
   }
   co_return found;
 }
@@ -271,7 +271,7 @@ boost::asio::awaitable<void> RemoteNode::stay_silent(Life& life) {
   change_status([](NodeStatus& status) {
     note_not_booted(status);
     status.lost = true;
-    status.nmt = NmtState::unknown;
+    status.set_nmt(NmtState::unknown);
   });
   settle_start_requests(silent_error());
   co_await pause(life, Clock::now() + kProbeInterval);

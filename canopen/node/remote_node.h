@@ -67,9 +67,14 @@ class RemoteNode {
   /// SDO upload with retries. Refused as offline while the node does not answer SDOs at all, or is stopped.
   /// `due`: when it was to be done; of all that waits for its turn on a busy bus the earliest is next.
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now());
+  /// The same of an object whole, see SdoClient::read_bytes().
+  boost::asio::awaitable<Result<std::vector<std::uint8_t>>> read_bytes(ObjectAddress object, std::size_t expected);
   /// SDO download of a command: sent once, withdrawn when not begun by `deadline`, outcome unknown when begun and
   /// unconfirmed by then. One not begun when the drive leaves operational is withdrawn, too: `offline`.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  /// The same with at least one byte of any meaning.
+  boost::asio::awaitable<Result<void>> write_bytes(ObjectAddress object, std::vector<std::uint8_t> data,
+                                                   TimePoint deadline);
   /// SDO download of a stop (SdoClient::write_stop), whatever became of the node, as long as the bus is up. To one that
   /// is not online, configured and operational it is sent once; where no answer comes: `offline` with outcome_unknown,
   /// "sent, not confirmed". A boot that is under way goes on behind it.
@@ -199,6 +204,8 @@ class RemoteNode {
   [[nodiscard]] Error silent_error() const;
   [[nodiscard]] bool start_needs_boot() const;
   [[nodiscard]] bool takes_commands() const;
+  [[nodiscard]] std::optional<Error> why_unreadable(ObjectAddress object) const;
+  [[nodiscard]] Error not_in_service(ObjectAddress object) const;
   [[nodiscard]] Error offline_error(ObjectAddress object, std::string detail) const;
 
   boost::asio::any_io_executor executor_;

@@ -76,27 +76,48 @@ bool RemoteNode::tpdo_verified(std::uint16_t number) const noexcept {
   return std::find(verified_tpdos_.begin(), verified_tpdos_.end(), number) != verified_tpdos_.end();
 }
 
-boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataType type, TimePoint due) {
+std::optional<Error> RemoteNode::why_unreadable(ObjectAddress object) const {
   if (stopping_ || !bus_.state().up()) {
-    co_return offline_error(object, "the bus is down");
+    return offline_error(object, "the bus is down");
   }
   if (status_.nmt == NmtState::stopped) {
-    co_return offline_error(object, "the drive is stopped and answers no SDO");
+    return offline_error(object, "the drive is stopped and answers no SDO");
   }
   if (stage_ != Stage::serving && !sdo_.answered()) {
-    co_return offline_error(object, "the drive does not answer");
+    return offline_error(object, "the drive does not answer");
+  }
+  return std::nullopt;
+}
+
+boost::asio::awaitable<Result<Raw>> RemoteNode::read(ObjectAddress object, DataType type, TimePoint due) {
+  if (const std::optional<Error> refused = why_unreadable(object)) {
+    co_return *refused;
   }
   co_return co_await sdo_.read(object, type, due);
+}
+
+boost::asio::awaitable<Result<std::vector<std::uint8_t>>> RemoteNode::read_bytes(ObjectAddress object,
+                                                                                 std::size_t expected) {
+  if (const std::optional<Error> refused = why_unreadable(object)) {
+    co_return *refused;
+  }
+  co_return co_await sdo_.read_bytes(object, expected);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::write(ObjectAddress object, DataType type, Raw raw,
                                                        TimePoint deadline) {
   if (!takes_commands()) {
-    Error refused = offline_error(object, "the drive is not online and operational");
-    refused.not_sent = true;
-    co_return refused;
+    co_return not_in_service(object);
   }
   co_return co_await sdo_.write_command(object, type, raw, deadline);
+}
+
+boost::asio::awaitable<Result<void>> RemoteNode::write_bytes(ObjectAddress object, std::vector<std::uint8_t> data,
+                                                             TimePoint deadline) {
+  if (!takes_commands()) {
+    co_return not_in_service(object);
+  }
+  co_return co_await sdo_.write_command(object, data, deadline);
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::write_stop(ObjectAddress object, DataType type, Raw raw,
@@ -128,9 +149,7 @@ boost::asio::awaitable<Result<Raw>> RemoteNode::read_for_stop(ObjectAddress obje
 boost::asio::awaitable<Result<void>> RemoteNode::send_rpdo(std::uint16_t number, std::vector<ObjectValue> values,
                                                            TransmitClass transmit_class, TimePoint deadline) {
   if (!takes_commands()) {
-    Error refused = offline_error({}, "the drive is not online and operational");
-    refused.not_sent = true;
-    co_return refused;
+    co_return not_in_service({});
   }
   co_return co_await outputs_.send(number, std::move(values), transmit_class, deadline);
 }
@@ -210,11 +229,17 @@ void RemoteNode::withdraw_nmt(NmtGroup which) {
 void RemoteNode::on_nmt_left(NmtCommand command) {
   switch (command) {
     case NmtCommand::start:
+      change_status([](NodeStatus& status) { status.commanded.reset(); });
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:
       heard_.tpdo_at.reset();
       withdraw_commands();
+      change_status([command](NodeStatus& status) {
+        if (status.nmt != NmtState::unknown) {
+          status.commanded = command == NmtCommand::stop ? NmtState::stopped : NmtState::pre_operational;
+        }
+      });
       if (expectation_.left()) {
         change_status([this](NodeStatus& status) { note_left_by_itself(status); });
       }
@@ -231,7 +256,7 @@ void RemoteNode::on_nmt_left(NmtCommand command) {
       end_life();
       change_status([](NodeStatus& status) {
         note_not_booted(status);
-        status.nmt = NmtState::unknown;
+        status.set_nmt(NmtState::unknown);
       });
       break;
   }
@@ -301,6 +326,12 @@ Error RemoteNode::silent_error() const {
 
 Error RemoteNode::withdrawn_error() const {
   return offline_error({}, "withdrawn: the drive was lost, rebooted or removed, or a stop came");
+}
+
+Error RemoteNode::not_in_service(ObjectAddress object) const {
+  Error refused = offline_error(object, "the drive is not online and operational");
+  refused.not_sent = true;
+  return refused;
 }
 
 Error RemoteNode::offline_error(ObjectAddress object, std::string detail) const {

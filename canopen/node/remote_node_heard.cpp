@@ -59,7 +59,7 @@ void RemoteNode::on_boot_up(TimePoint at) {
   end_life();
   change_status([at](NodeStatus& status) {
     note_not_booted(status);
-    status.nmt = NmtState::initialising;
+    status.set_nmt(NmtState::initialising);
     status.last_heartbeat = at;
     status.lost = false;
     ++status.boot_ups;
@@ -149,6 +149,9 @@ bool RemoteNode::ends_life(NmtState state, StateMeaning meaning, bool left_opera
 void RemoteNode::tell_state(NmtState state, StateMeaning meaning) {
   change_status([&](NodeStatus& status) {
     status.nmt = state;
+    if (meaning != StateMeaning::from_before) {
+      status.commanded.reset();
+    }
     if (meaning == StateMeaning::left) {
       status.configured = status.configured && stage_ == Stage::serving;
       note_left_by_itself(status);
@@ -221,7 +224,7 @@ void RemoteNode::on_silence() {
   change_status([was_heard](NodeStatus& status) {
     status.online = false;
     status.configured = false;
-    status.nmt = NmtState::unknown;
+    status.set_nmt(NmtState::unknown);
     status.lost = true;
     if (was_heard) {
       ++status.heartbeat_losses;
@@ -241,7 +244,7 @@ void RemoteNode::on_bus_state(const BusState& state) {
     end_life();
     change_status([](NodeStatus& status) {
       note_not_booted(status);
-      status.nmt = NmtState::unknown;
+      status.set_nmt(NmtState::unknown);
     });
   }
   changed_.notify();

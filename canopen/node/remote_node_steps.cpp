@@ -100,7 +100,7 @@ void RemoteNode::go_online(Arrival arrival) {
     status.online = true;
     status.configured = true;
     status.lost = false;
-    status.nmt = heard_.state.value_or(status.nmt);
+    status.set_nmt(heard_.state.value_or(status.nmt));
     status.boot_result = BootResult::ok;
     status.held_back = HeldBack::no;
     status.boot_text.clear();

@@ -85,8 +85,8 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   co_return addressed(*place.called_off(), object);
 }
 
-boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress object, DataType type, Raw raw,
-                                                              TimePoint deadline) {
+boost::asio::awaitable<Result<void>> SdoClient::send_command(SdoTransfer transfer, TimePoint deadline) {
+  const ObjectAddress object = transfer.object();
   const TimePoint given = Clock::now();
   SdoLine::Place place(line_, SdoLine::Kind::command, given);
   if (exchange_ != nullptr && line_.held_by_transfer()) {
@@ -108,7 +108,7 @@ boost::asio::awaitable<Result<void>> SdoClient::write_command(ObjectAddress obje
     co_return addressed(std::move(too_late), object);
   }
   abort_.reset();  // Of a transfer before it: behind the command it could end that one.
-  SdoExchange exchange(channel_, download(object, type, raw), TransmitClass::command, deadline, unanswered_.any());
+  SdoExchange exchange(channel_, std::move(transfer), TransmitClass::command, deadline, unanswered_.any());
   co_await carry_out(exchange);
   if (exchange.error() && exchange.error()->not_sent && place.called_off()) {
     co_return addressed(*place.called_off(), object);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,7 +68,12 @@ class SdoClient {
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, TimePoint due = Clock::now()) {
     return read(object, type, 1 + channel_.settings.retries, due);
   }
-  /// The same, tried once: for finding out whether anybody is there.
+  /// Upload of an object whole, whatever it is: up to SdoTransfer::kMaxBytes, else `protocol`. `expected`: its bytes
+  /// for a device that does not tell them; 0: not known.
+  boost::asio::awaitable<Result<std::vector<std::uint8_t>>> read_bytes(ObjectAddress object, std::size_t expected) {
+    return run(upload(object, expected), 1 + channel_.settings.retries, Clock::now());
+  }
+  /// read(), tried once: for finding out whether anybody is there.
   boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) {
     return read(object, type, 1, Clock::now());
   }
@@ -77,7 +83,14 @@ class SdoClient {
   /// write (WriteTimes, half of the time at most), or before a stop came: `timeout`, and it can never take effect.
   /// Begun and not confirmed by then, however long SdoSettings::timeout is, or a while after a stop came: `timeout`
   /// with outcome_unknown.
-  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline);
+  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline) {
+    return send_command(download(object, type, raw), deadline);
+  }
+  /// The same with at least one byte of any meaning.
+  boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, std::span<const std::uint8_t> data,
+                                                     TimePoint deadline) {
+    return send_command(SdoTransfer::download(channel_.settings, object, data), deadline);
+  }
   /// Download of a stop: before everything that waits but older stops, without proof, however little time is left. What
   /// is under way has 100 ms more for its answer: a read or setting is tried again behind the stop.
   ///
@@ -125,6 +138,7 @@ class SdoClient {
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
   [[nodiscard]] Result<Raw> raw_of(const Result<Bytes>& bytes, ObjectAddress object, DataType type) const;
   boost::asio::awaitable<Result<Bytes>> run(SdoTransfer transfer, unsigned tries, TimePoint due);
+  boost::asio::awaitable<Result<void>> send_command(SdoTransfer transfer, TimePoint deadline);
   /// Whether no late answer for `object` can come any more.
   boost::asio::awaitable<bool> prove(ObjectAddress object, TimePoint until);
   boost::asio::awaitable<void> carry_out(SdoExchange& exchange);

@@ -2,6 +2,7 @@
 #include <array>
 #include <string_view>
 
+#include "config/address_map.h"
 #include "config/drive/builder.h"
 
 namespace config {
@@ -32,12 +33,6 @@ constexpr std::array<FixedPlace, 17> kRegisters{{{"status_word", 0},
                                                  {"target_velocity", 103}}};
 constexpr std::array<FixedPlace, 6> kBits{
     {{"running", 0}, {"reverse", 1}, {"fault", 2}, {"warning", 3}, {"ready", 4}, {"remote", 5}}};
-
-// Below stand the fixed addresses, from 1000 the diagnostics of the drive.
-constexpr unsigned kFirstFree = 200;
-constexpr unsigned kDiagnostics = 1000;
-constexpr unsigned kPastDiagnostics = 1100;
-constexpr unsigned kPastLast = 65536;
 
 std::optional<std::uint16_t> fixed_address(const Signal& signal, ModbusKind kind) {
   const auto find = [&signal](const auto& places) -> std::optional<std::uint16_t> {
@@ -102,9 +97,9 @@ class Placer {
 
   /// The first address from 200 on that nothing placed so far takes.
   std::optional<std::uint16_t> free_for(ModbusPlace place) {
-    for (unsigned address = kFirstFree; address + place.count <= kPastLast; address += place.count) {
+    for (unsigned address = kCommonAddresses; address + place.count <= kAddresses; address += place.count) {
       place.address = static_cast<std::uint16_t>(address);
-      const bool diagnostics = address < kPastDiagnostics && address + place.count > kDiagnostics;
+      const bool diagnostics = address < kDiagnosticsEnd && address + place.count > kDiagnosticsBegin;
       if (!diagnostics && std::none_of(placed_.begin(), placed_.end(),
                                        [&](const auto* p) { return overlaps(p->signal.modbus, place); })) {
         return place.address;
@@ -122,11 +117,11 @@ class Placer {
     const auto fixed = fixed_address(signal.signal, place.kind);
     const auto stated = signal.said->keys.address;
     if (!stated.has_value() && !fixed.has_value()) {
-      const bool on_modbus = draft_.drive.unit.has_value();
+      const bool on_modbus = draft_.drive.unit.has_value() || draft_.drive.flat.has_value();
       if (on_modbus && signal.said->table->find("address") == nullptr) {
         missing_.push_back(&signal);
       }
-      // Without a unit an address is nobody's need.
+      // Without any unit an address is nobody's need.
       if (!on_modbus) {
         place = {};
       }
@@ -153,15 +148,15 @@ class Placer {
     const ModbusPlace& place = signal.signal.modbus;
     const unsigned past = place.address + unsigned{place.count};
     const std::string at = "Modbus address " + std::to_string(place.address);
-    if (place.address < kFirstFree && (place.address != fixed || place.count > 1)) {
+    if (place.address < kCommonAddresses && (place.address != fixed || place.count > 1)) {
       error(signal, place.address == fixed
                         ? "takes more than one register and cannot stay at its fixed " + at +
                               "; give it an even address from 200 on"
                         : "cannot have " + at + ": 0..199 have the same meaning for every drive; use 200..999 or " +
                               "1100..65535");
-    } else if (place.address < kPastDiagnostics && past > kDiagnostics) {
+    } else if (place.address < kDiagnosticsEnd && past > kDiagnosticsBegin) {
       error(signal, "cannot have " + at + ": 1000..1099 are the diagnostics; use 200..999 or 1100..65535");
-    } else if (past > kPastLast) {
+    } else if (past > kAddresses) {
       error(signal, "reaches beyond Modbus address 65535");
     } else if (place.count > 1 && place.address % 2 != 0) {
       error(signal, "takes " + std::to_string(place.count) + " registers and needs an even address, not " +

@@ -31,7 +31,7 @@ std::string way_is_off(const DriveDraft& draft, std::string_view way) {
   if (!draft.model.modbus.has_value()) {
     return "there is no [modbus]";
   }
-  if (!draft.drive.unit.has_value()) {
+  if (!draft.drive.unit.has_value() && !draft.drive.flat.has_value()) {
     return "the drive has unit = \"none\"";
   }
   if (draft.model.modbus->write_from.empty()) {

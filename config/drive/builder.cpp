@@ -115,6 +115,7 @@ void take_own_keys(DriveDraft& draft) {
   drive.node.restart = keys.restart;
   drive.on_stale = keys.on_stale.value_or(draft.model.modbus.has_value() ? draft.model.modbus->on_stale : OnStale());
   drive.unit = keys.unit.value_or(Unit{keys.node}).number;
+  drive.flat = keys.flat;
   drive.commands = keys.commands;
   if (std::find(kReserved.begin(), kReserved.end(), keys.name) != kReserved.end()) {
     draft.error(place_of(draft.site, "name"), "the name is that of a fixed topic; choose another");

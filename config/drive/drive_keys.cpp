@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "config/address_map.h"
 #include "config/site/site_keys.h"
 
 namespace config {
@@ -100,7 +101,10 @@ const SectionOf<DriveKeys>& drive_section() {
        Field("enabled", &DriveKeys::enabled, boolean(),
              "`false`: out of service; no traffic, no alarms, offline. Its unit and its addresses stay."),
        Field("unit", &DriveKeys::unit, unit(), "Modbus unit; `\"none\"`: not on Modbus.").unset("the node id"),
-       Field::later("flat", "integer", "none", "Its base address on the flat unit of Modbus."),
+       Field(
+           "flat", &DriveKeys::flat, integer(0, kAddresses - kFlatBlock),
+           "Its base address on `modbus.flat_unit`: 0..899 of its own unit stand there, its diagnostics at base + 900.")
+           .unset("none"),
        Field("heartbeat", time(&ErrorControlSettings::heartbeat),
              duration({.min = milliseconds(1),
                        .max = kLongest16,

@@ -25,6 +25,7 @@ struct DriveKeys {
   std::uint8_t node = 0;
   std::string profile;
   std::optional<Unit> unit;
+  std::optional<std::uint16_t> flat;
   canopen::ErrorControlSettings error_control;  ///< Its times.
   std::optional<OnStale> on_stale;
   bool reconfigure_running = false;

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "config/address_map.h"
 #include "config/site/site.h"
 #include "config/text.h"
 #include "config/toml/document.h"
@@ -62,11 +64,20 @@ void check_nodes(const Model& model, const Tables& tables, std::size_t bus_numbe
   }
 }
 
-void check_units(const Model& model, const Tables& tables, Report& report) {
+void check_units(const Model& model, const Node& root, const Tables& tables, Report& report) {
   std::set<unsigned> taken;
   for (const Drive& drive : model.drives) {
     taken.insert(drive.unit.value_or(0));
   }
+  const auto flat = model.modbus ? model.modbus->flat_unit : std::nullopt;
+  if (flat && taken.contains(*flat)) {
+    const auto owner = std::ranges::find(model.drives, flat, &Drive::unit);
+    taken.insert(*flat);
+    report.error(place_of(*read_table(root, "modbus"), "flat_unit"),
+                 "modbus.flat_unit " + std::to_string(*flat) + " is the Modbus unit of drive \"" + owner->name +
+                     "\"; " + free_number(taken, kLastUnit));
+  }
+  taken.insert(flat.value_or(0));
   const auto states_unit = [&tables](std::size_t i) { return tables[i]->find("unit") != nullptr; };
   std::map<unsigned, std::size_t> owners;
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
@@ -84,6 +95,66 @@ void check_units(const Model& model, const Tables& tables, Report& report) {
                        (stated ? "" : " (its node id, as no unit is given)") + " is that of drive \"" +
                        model.drives[owner->second].name + "\"; " + free_number(taken, kLastUnit));
     }
+  }
+}
+
+bool overlap(std::uint16_t a, std::uint16_t b) {
+  return a < b + kFlatBlock && b < a + kFlatBlock;
+}
+
+std::string free_base(const Model& model) {
+  for (std::uint32_t base = 0; base + kFlatBlock <= kAddresses; base += kFlatBlock) {
+    if (std::ranges::none_of(model.drives, [base](const Drive& drive) {
+          return drive.flat && overlap(*drive.flat, static_cast<std::uint16_t>(base));
+        })) {
+      return std::to_string(base) + " is free";
+    }
+  }
+  return "none is free";
+}
+
+void check_block(const Model& model, std::size_t number, const Node& table, Report& report) {
+  const Drive& drive = model.drives[number];
+  const Place place = place_of(table, "flat");
+  const std::string where = "drive \"" + drive.name + "\": ";
+  for (std::size_t i = 0; i < number; ++i) {
+    const Drive& other = model.drives[i];
+    if (other.flat && overlap(*other.flat, *drive.flat)) {
+      report.error(place, where + "flat " + std::to_string(*drive.flat) + " overlaps " + std::to_string(*other.flat) +
+                              ".." + std::to_string(*other.flat + kFlatBlock - 1) + " of drive \"" + other.name +
+                              "\"; " + free_base(model));
+      break;
+    }
+  }
+  for (const Signal& signal : drive.signals) {
+    if (signal.modbus.kind != ModbusKind::none && signal.modbus.address + signal.modbus.count > kFlatSignals) {
+      report.warning(place, where + "signal \"" + signal.name + "\" at Modbus address " +
+                                std::to_string(signal.modbus.address) + " is not on the flat unit, which shows 0..899");
+    }
+  }
+}
+
+/// The blocks of the drives on the flat unit.
+void check_flat(const Model& model, const Node& root, const Tables& tables, Report& report) {
+  if (!model.modbus) {
+    return;  // As any unit.
+  }
+  // What is written wrong has its finding, and was written all the same.
+  const Node& modbus = *read_table(root, "modbus");
+  const bool has_unit = modbus.find("flat_unit") != nullptr;
+  bool any = false;
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const Drive& drive = model.drives[i];
+    any = any || tables[i]->find("flat") != nullptr;
+    if (drive.flat && !has_unit) {
+      report.error(place_of(*tables[i], "flat"),
+                   "drive \"" + drive.name + "\": flat needs modbus.flat_unit, the unit that shows it");
+    } else if (drive.flat) {
+      check_block(model, i, *tables[i], report);
+    }
+  }
+  if (has_unit && !any) {
+    report.warning(place_of(modbus, "flat_unit"), "modbus.flat_unit shows nothing: no drive has a base there (`flat`)");
   }
 }
 
@@ -123,12 +194,14 @@ void check_cob_ids(const Model& model, const Tables& tables, Report& report) {
 
 }  // namespace
 
-void check_drives(const Model& model, const Tables& tables, Report& report) {
+void check_drives(const Model& model, const Node& root, Report& report) {
+  const Tables tables = read_tables(root, "drive");
   check_names(model, tables, report);
   for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
     check_nodes(model, tables, bus, report);
   }
-  check_units(model, tables, report);
+  check_units(model, root, tables, report);
+  check_flat(model, root, tables, report);
   check_cob_ids(model, tables, report);
 }
 

@@ -18,8 +18,8 @@ namespace config {
 /// `directory` is where a relative password_file is looked for; it is read only `with_secrets`.
 [[nodiscard]] std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
                                             Report& report);
-/// What must differ from drive to drive: names, node ids, Modbus units, COB-IDs. `tables` holds each drive's own.
-void check_drives(const Model& model, const std::vector<const Node*>& tables, Report& report);
+/// What must differ from drive to drive: names, node ids, Modbus units and places on the flat one, COB-IDs.
+void check_drives(const Model& model, const Node& root, Report& report);
 /// Warns of buses that are forecast to be too busy.
 void advise_on_load(const Model& model, const Node& root, Report& report);
 

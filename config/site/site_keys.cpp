@@ -111,7 +111,8 @@ const SectionOf<Modbus>& modbus_section() {
              "Of values of more than one register: `big` puts the high word first."),
        Field("on_stale", &Modbus::on_stale, on_stale_form(),
              "Reading a value that is not fresh: exception 0x0B, its last value, or 0."),
-       Field::later("flat_unit", "integer 1..247", "none", "A unit that shows all drives that have a `flat` base.")});
+       Field("flat_unit", &Modbus::flat_unit, integer(1, 247), "A unit that shows all drives that have a `flat` base.")
+           .unset("none")});
   return section;
 }
 

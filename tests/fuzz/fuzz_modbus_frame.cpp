@@ -1,10 +1,15 @@
 // Any bytes a client may send, through framing and validation. What both promise is checked, not only that they live.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <span>
+#include <string>
 #include <variant>
+#include <vector>
 
+#include "bridges/modbus/general_reference.h"
+#include "bridges/modbus/identification.h"
 #include "bridges/modbus/mbap.h"
 #include "bridges/modbus/request.h"
 
@@ -31,11 +36,43 @@ void check_framing(Bytes bytes, const modbus::FoundFrame& found) {
   }
 }
 
+// Function 43: whatever it asks for, the answer is a PDU.
+void check_encapsulated(const modbus::Request& request, Bytes pdu) {
+  require(!request.reads() && !request.writes());
+  require(request.encapsulated.data() == pdu.data() && request.encapsulated.size() == pdu.size());
+  if (modbus::Encapsulated{pdu[1]} == modbus::Encapsulated::device_identification) {
+    using enum modbus::IdentityId;
+    const std::vector<modbus::IdentityObject> objects{{vendor_name, "v"},
+                                                      {product_code, std::string(120, 'p')},
+                                                      {revision, std::string(120, 'r')},
+                                                      {name, std::string(300, 'n')},
+                                                      {serial_number, modbus::Exception::no_response},
+                                                      {software_version, "s"}};
+    (void)modbus::asks_for(pdu, serial_number);
+    const modbus::EncapsulatedAnswer answer = modbus::identify(pdu, objects);
+    const auto* const worded = std::get_if<std::vector<std::uint8_t>>(&answer);
+    require(worded == nullptr || (worded->size() >= 7 && worded->size() <= modbus::kMaxPdu));
+    return;
+  }
+  const auto parsed = modbus::parse_reference(pdu);
+  if (const auto* const reference = std::get_if<modbus::Reference>(&parsed)) {
+    require(reference->write != reference->data.empty());
+    static constexpr std::array<std::uint8_t, 300> kObject{};
+    const auto read = modbus::bytes_read(pdu, *reference, kObject);
+    require(read.size() <= modbus::kMaxPdu && modbus::word_at(read, 10) == read.size() - 12);
+    require(modbus::written(pdu).size() == 12);
+  }
+}
+
 void check_request(Bytes frame) {
   const Bytes pdu = modbus::pdu_of(frame);
   const auto parsed = modbus::parse_request(pdu);
   const auto* const request = std::get_if<modbus::Request>(&parsed);
   if (request == nullptr) {
+    return;
+  }
+  if (request->is_encapsulated()) {
+    check_encapsulated(*request, pdu);
     return;
   }
   require(request->reads() || request->writes());

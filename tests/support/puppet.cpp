@@ -62,7 +62,7 @@ void Puppet::on_frames(std::span<const canopen::Received> frames) {
 }
 
 void Puppet::on_nmt(const canopen::Frame& frame) {
-  if (frame.data[1] != node_ && frame.data[1] != 0) {
+  if (deaf_to_nmt || (frame.data[1] != node_ && frame.data[1] != 0)) {
     return;
   }
   nmt_commands.push_back(frame.data[0]);

@@ -29,6 +29,7 @@ class Puppet final : public canopen::LinkEvents {
   };
   std::map<canopen::ObjectAddress, Entry> dictionary;
   std::map<canopen::ObjectAddress, std::uint32_t> refuse_writes;  ///< Abort codes.
+  bool deaf_to_nmt = false;                                       ///< Follows no NMT command.
   bool mute = false;                                              ///< Answers no SDO and beats no heart.
 
   std::vector<canopen::ObjectValue> written;  ///< By SDO; the type is not told.

@@ -211,6 +211,10 @@ void ScriptedSlave::on_segment(const Bytes& request) {
     const auto count = static_cast<std::ptrdiff_t>(7 - ((request[0] >> 1U) & 0x07U));
     segments_.insert(segments_.end(), request.begin() + 1, request.begin() + 1 + count);
     if ((request[0] & 0x01U) != 0) {
+      if (const auto refused = refused_writes_.find(segmented_); refused != refused_writes_.end()) {
+        abort(segmented_, refused->second);
+        return;
+      }
       objects_[segmented_] = segments_;
     }
     answer({static_cast<std::uint8_t>(0x20U | toggle), 0, 0, 0, 0, 0, 0, 0});

@@ -163,6 +163,7 @@ TEST_F(BusTest, LoadIsOfTheLastSecond) {
   EXPECT_NEAR(bus->statistics().load_per_mille, 96, 3);
   loop.advance(2s);
   EXPECT_EQ(bus->statistics().load_per_mille, 0);
+  EXPECT_NEAR(bus->statistics().highest_load_per_mille, 96, 3);
 }
 
 TEST_F(BusTest, ABusThatIsDownFromTheStartIsNews) {

@@ -61,6 +61,18 @@ TEST(MapAsJson, HasASignalALineAndItsKeysInOrder) {
 )");
 }
 
+TEST(Map, ListsTheAddressesOfTheFlatUnit) {
+  const config::Model model = line3("flat = 3000\n[modbus]\nflat_unit = 1\n");
+  const std::string json = compact(render_map(model, MapFormat::json));
+  EXPECT_THAT(json, HasSubstr(R"("base":"canopen/line3","flat_unit":1,)"));
+  EXPECT_THAT(json, HasSubstr(R"("modbus_unit":5,"flat":3000,)"));
+  EXPECT_THAT(json, HasSubstr(R"("modbus":{"kind":"register","address":2,"count":1,"flat":3002})"));
+  EXPECT_THAT(render_map(model, MapFormat::csv), HasSubstr("5: register 2; 1: register 3002,"));
+  const config::Model alone = line3("unit = \"none\"\nflat = 3000\n[modbus]\nflat_unit = 1\n");
+  EXPECT_THAT(render_map(alone, MapFormat::csv), HasSubstr(",1: register 3002,"));
+  EXPECT_THAT(compact(render_map(alone, MapFormat::json)), HasSubstr(R"("modbus_unit":null,"flat":3000,)"));
+}
+
 TEST(MapAsJson, TellsWhatIsMissingByNull) {
   const config::Model model = line3(R"(unit = "none"
 [drive.signals.control_command]

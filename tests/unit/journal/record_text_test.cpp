@@ -45,6 +45,8 @@ TEST(JournalRecord, NmtAndRawWritesHaveTheirOwnMembers) {
   record.kind = CommandRecord::Kind::raw;
   record.object = canopen::ObjectValue{{0x2000, 1}, canopen::DataType::i16, static_cast<canopen::Raw>(-3)};
   EXPECT_EQ(what_text(record), R"("id":"a","object":"0x2000:01","type":"i16","asked":-3)");
+  record.bytes = {0x01, 0xA0, 0x0F};
+  EXPECT_EQ(what_text(record), R"("id":"a","object":"0x2000:01","bytes":"01A00F")");
 }
 
 TEST(JournalRecord, WhatCameOfIt) {

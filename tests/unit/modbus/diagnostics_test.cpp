@@ -106,6 +106,41 @@ TEST(Diagnostics, TellHowFarAWriteCameThatFailed) {
   EXPECT_EQ(site.ask("03 03f9 0001"), "03 02 0001") << "of the last that failed";
 }
 
+TEST(Diagnostics, SayWhatAnNmtCommandMadeOfItBeforeItsHeartbeatDoes) {
+  for (const auto& [command, state] : {std::pair("0002", "0004"), std::pair("0080", "007f")}) {
+    Site site;
+    site.bring_up();
+    site.puppet().mute = true;  // Its heartbeat says nothing yet.
+    EXPECT_EQ(site.ask("03 03e9 0001"), "03 02 0005");
+    EXPECT_EQ(site.ask(std::string("06 03fc ") + command), std::string("06 03fc ") + command);
+    EXPECT_EQ(site.ask("03 03e9 0001"), std::string("03 02 ") + state);
+    EXPECT_EQ(std::stoul(site.ask("03 03e8 0001").substr(6), nullptr, 16) & 0x0002U, 0U);
+    EXPECT_EQ(site.ask(site.client(), 0, "03 006e 0001"), "03 02 0000");  // of the bus' operational nodes
+    // A start takes that back; what it said last counts, as for commands.
+    EXPECT_EQ(site.ask("06 03fc 0001"), "06 03fc 0001");
+    EXPECT_EQ(site.ask("03 03e9 0001"), "03 02 0005");
+    EXPECT_EQ(site.ask(std::string("06 03fc ") + command), std::string("06 03fc ") + command);
+    EXPECT_EQ(site.ask("03 03e9 0001"), std::string("03 02 ") + state);
+    // And what it says itself is the same.
+    site.puppet().mute = false;
+    site.run_without_values(milliseconds(100));
+    EXPECT_EQ(site.ask("03 03e9 0001"), std::string("03 02 ") + state);
+    EXPECT_EQ(site.ask("06 03fc 0001"), "06 03fc 0001");
+    site.run_without_values(milliseconds(100));
+    EXPECT_EQ(site.ask("03 03e9 0001"), "03 02 0005");
+  }
+}
+
+TEST(Diagnostics, ADriveThatDoesNotFollowAnNmtCommandIsShownAsItIs) {
+  Site site;
+  site.bring_up();
+  site.puppet().deaf_to_nmt = true;
+  EXPECT_EQ(site.ask("06 03fc 0002"), "06 03fc 0002");
+  EXPECT_EQ(site.ask("03 03e9 0001"), "03 02 0004");
+  site.run(std::chrono::seconds(3));
+  EXPECT_EQ(site.ask("03 03e9 0001"), "03 02 0005");
+}
+
 TEST(Diagnostics, ACommandRegisterIsFreshWhileItsValueCounts) {
   Site site;
   site.bring_up();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
 #include <span>
 
 #include "tests/unit/modbus/bytes.h"
@@ -51,11 +53,22 @@ TEST(Mbap, LengthsThatCanNotBeAreBroken) {
   EXPECT_EQ(find_frame(hex("0001 0000 ffff")).framing, Framing::broken);
 }
 
-TEST(Mbap, AnAnswerIsNoRequest) {
-  // libmodbus would answer function 0x90 with 0x10, which reads like a write that was carried out.
-  EXPECT_EQ(find_frame(frame(5, "90 01")).framing, Framing::broken);
-  EXPECT_EQ(find_frame(frame(5, "80")).framing, Framing::broken);
-  EXPECT_EQ(find_frame(frame(5, "7f")).framing, Framing::complete);
+TEST(Mbap, AnyFunctionMakesAFrame) {
+  for (const char* const pdu : {"00", "7f", "80", "90 01", "ff"}) {
+    EXPECT_EQ(find_frame(frame(5, pdu)).framing, Framing::complete) << pdu;
+  }
+}
+
+TEST(Mbap, AnAnswerHasTheHeaderOfItsRequest) {
+  const Bytes request = frame(17, "2b 0e 01 00", 0xBEEF);
+  std::array<std::uint8_t, modbus::kMaxFrame> out{};
+  const Bytes longest(modbus::kMaxPdu, 0x2B);
+  for (const Bytes& pdu : {hex("ab 01"), longest}) {
+    const auto answer = modbus::frame_answer(request, pdu, out);
+    Bytes expected = hex(pdu.size() == 2 ? "beef 0000 0003 11" : "beef 0000 00fe 11");
+    expected.insert(expected.end(), pdu.begin(), pdu.end());
+    EXPECT_EQ(Bytes(answer.begin(), answer.end()), expected);
+  }
 }
 
 }  // namespace

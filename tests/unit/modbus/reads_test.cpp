@@ -95,9 +95,9 @@ TEST(Reads, OtherFunctionsAreRefused) {
   EXPECT_EQ(site.ask("07"), "87 01");
   EXPECT_EQ(site.ask("08 0000 0000"), "88 01");
   EXPECT_EQ(site.ask("11"), "91 01");
-  EXPECT_EQ(site.ask("2b 0e 01 00"), "ab 01");
-  EXPECT_EQ(site.ask("2b 0d 00 01"), "ab 01");
-  EXPECT_EQ(site.ask(site.client(), 0, "2b 0e 01 00"), "ab 01");
+  EXPECT_EQ(site.ask("2b 0c 01 00"), "ab 01");
+  EXPECT_EQ(site.ask("2b 0f 00 01"), "ab 01");
+  EXPECT_EQ(site.ask(site.client(), 0, "2b 0c 01 00"), "ab 01");
   EXPECT_EQ(site.ask("03 0000 0000"), "83 03");
   EXPECT_EQ(site.ask("03 0000 007e"), "83 03");
 }

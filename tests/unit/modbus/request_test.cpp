@@ -68,10 +68,23 @@ TEST(Request, WritesAreUnderstood) {
 }
 
 TEST(Request, OtherFunctionsAreRefused) {
-  for (const char* const pdu :
-       {"00", "07", "08 0000 0000", "0b", "0c", "11", "14 00", "18 0000", "2b 0e 01 00", "64", "7f"}) {
+  for (const char* const pdu : {"00", "07", "08 0000 0000", "0b", "0c", "11", "14 00", "18 0000", "2b 00", "2b 0c 00",
+                                "2b 0f", "64", "7f", "80", "83", "ab 0e 01 00", "ff"}) {
     EXPECT_EQ(verdict(pdu), "exception 1") << pdu;
   }
+}
+
+TEST(Request, WhatIsEncapsulatedComesWhole) {
+  for (const char* const pdu : {"2b 0e 01 00", "2b 0d", "2b 0d 00 00 05 2000 01 0000 0000"}) {
+    const Parsed parsed(pdu);
+    EXPECT_EQ(parsed.request().function, Function::encapsulated_interface);
+    EXPECT_TRUE(parsed.request().is_encapsulated());
+    EXPECT_FALSE(parsed.request().reads());
+    EXPECT_FALSE(parsed.request().writes());
+    EXPECT_EQ(Bytes(parsed.request().encapsulated.begin(), parsed.request().encapsulated.end()), hex(pdu));
+  }
+  EXPECT_FALSE(Parsed("03 0000 0001").request().is_encapsulated());
+  EXPECT_EQ(verdict("2b"), "exception 3");
 }
 
 TEST(Request, QuantitiesHaveTheLimitsOfTheStandard) {

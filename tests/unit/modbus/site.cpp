@@ -51,6 +51,7 @@ Site::Site(config::Model model)
       server_(loop_.executor(), plant_, *model_.modbus) {
   fill_dictionary(puppet_);
   plant_.add(server_);
+  plant_.add(remarks_);
   server_.start();
   bus_.start();
   plant_.start();

@@ -7,8 +7,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bridges/modbus/server.h"
+#include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/subscription.h"
@@ -55,6 +57,20 @@ inline constexpr canopen::ObjectAddress kValveObject{0x3000, 7};
 /// What SDO finds in that drive.
 void fill_dictionary(support::Puppet& puppet);
 
+/// What the log would hear of drives.
+class Remarks final : public process::Observer {
+ public:
+  void on_values(const process::Drive&, std::span<const process::SignalId>) override {}
+  void on_freshness(const process::Drive&, std::span<const process::SignalId>) override {}
+  void on_commanded(const process::Drive&, std::span<const process::SignalId>) override {}
+  void on_status(const process::Drive&) override {}
+  void on_alarm(const process::Drive&, alarms::AlarmKind) override {}
+  void on_bus(std::size_t) override {}
+  void on_remark(const process::Drive&, const std::string& text) override { texts.push_back(text); }
+
+  std::vector<std::string> texts;
+};
+
 /// A plant with one puppet drive and a Modbus server, time moved by hand.
 class Site {
  public:
@@ -92,6 +108,7 @@ class Site {
   support::Puppet& puppet() noexcept { return puppet_; }
   process::Plant& plant() noexcept { return plant_; }
   modbus::Server& server() noexcept { return server_; }
+  [[nodiscard]] std::vector<std::string>& remarks() noexcept { return remarks_.texts; }
   [[nodiscard]] std::uint16_t port() const { return server_.port(0); }
 
  private:
@@ -102,6 +119,7 @@ class Site {
   canopen::VirtualBus can_;
   support::Puppet puppet_;
   canopen::Bus bus_;
+  Remarks remarks_;
   process::Plant plant_;
   canopen::Subscription bus_state_;
   modbus::Server server_;

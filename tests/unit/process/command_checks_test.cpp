@@ -192,6 +192,48 @@ TEST_F(CommandsTest, OtherObjectsNeedRaw) {
   expect_silence();
 }
 
+TEST_F(CommandsTest, BytesOfASignalsObjectGoTheSignalsWayToo) {
+  bring_online();
+  run_motor();
+  EXPECT_TRUE(sdo_write_now(test::kFrequency, {0xD0, 0x07}).has_value());
+  EXPECT_EQ(rpdos(), std::vector<Bytes>({{1, 0, 0xD0, 0x07, 0, 0}}));
+  slave_.forget_heard();
+  expect_refused(sdo_write_now(test::kFrequency, {0x89, 0x13}), ErrorKind::range);
+  for (const Bytes& other : std::vector<Bytes>{{1}, {1, 0, 0}, {1, 0, 0, 0}, Bytes(20, 1)}) {
+    expect_refused(sdo_write_now(test::kFrequency, other), ErrorKind::type);
+  }
+  expect_silence();
+}
+
+TEST_F(CommandsTest, BytesOfAnyOtherObjectNeedRaw) {
+  const Bytes text(20, 'a');
+  slave_.set_bytes({0x2002, 4}, Bytes(20, 'b'));
+  slave_.set_bytes({0x2002, 5}, Bytes(3, 0));
+  bring_online();
+  expect_refused(sdo_write_now({0x2002, 4}, text), ErrorKind::forbidden);
+  model_.commands.raw = true;
+  expect_refused(sdo_write_now({0x1A00, 1}, text), ErrorKind::forbidden);
+  expect_silence();
+  EXPECT_TRUE(sdo_write_now({0x2002, 4}, text).has_value());
+  EXPECT_TRUE(sdo_write_now({0x2002, 5}, {1, 2, 3}).has_value());
+  EXPECT_EQ(slave_.value({0x2002, 5}), 0x030201U);
+  const auto& [record, outcome] = observer_.answers.back();
+  EXPECT_EQ(record.kind, CommandRecord::Kind::raw);
+  EXPECT_EQ(record.bytes, Bytes({1, 2, 3}));
+  ASSERT_TRUE(record.object);
+  EXPECT_EQ(record.object->object, (canopen::ObjectAddress{0x2002, 5}));
+
+  const auto read = support::spawn(loop_.executor(), drive_->sdo_read({0x2002, 4}));
+  run(10ms);
+  ASSERT_TRUE(read.done());
+  EXPECT_EQ(read.get().value(), text);
+  slave_.refuse_write({0x2002, 4}, 0x06070010);
+  const Outcome refused = sdo_write_now({0x2002, 4}, text);
+  ASSERT_TRUE(refused.has_error());
+  EXPECT_EQ(refused.error().abort, 0x06070010U);
+  EXPECT_EQ(drive_->last_refused_abort(), 0x06070010U);
+}
+
 TEST_F(CommandsTest, SdoReadNeedsNoPermission) {
   model_.commands.writers = {};
   slave_.set({0x2002, 3}, DataType::u16, 1234);

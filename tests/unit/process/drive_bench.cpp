@@ -105,6 +105,10 @@ Outcome DriveBench::nmt_now(canopen::NmtCommand command) {
   return finish(support::spawn(loop_.executor(), drive_->nmt(origin(), command)));
 }
 
+Outcome DriveBench::sdo_write_now(canopen::ObjectAddress object, Bytes data) {
+  return finish(support::spawn(loop_.executor(), drive_->sdo_write(origin(), object, std::move(data))));
+}
+
 Outcome DriveBench::sdo_write_now(canopen::ObjectValue value) {
   return finish(support::spawn(loop_.executor(), drive_->sdo_write(origin(), value)));
 }

@@ -84,6 +84,7 @@ class DriveBench : public testing::Test {
   Outcome write_now(std::vector<FieldWrite> fields);
   Outcome nmt_now(canopen::NmtCommand command);
   Outcome sdo_write_now(canopen::ObjectValue value);
+  Outcome sdo_write_now(canopen::ObjectAddress object, Bytes data);
   /// All fields of RPDO1 in one command.
   Outcome write_all(Raw control, double frequency, double torque = 0.0);
   /// All fields were commanded and the motor turns.
