@@ -158,6 +158,17 @@ TEST_F(LoopPostTest, WhatIsWatchedIsBoundedInTopicsAndBytes) {
   EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "") << "told, though without its payload";
 }
 
+TEST_F(LoopPostTest, AStopThatComesByWhatIsWatchedIsReplacedByNothing) {
+  post_->tell_stops_by([](const Incoming& message) { return message.payload == "stop"; });
+  for (const char* payload : {"stop", "run", "walk"}) {
+    post_->post_watched(Incoming{.topic = "pump1", .payload = payload});
+  }
+  loop_.settle();
+  ASSERT_EQ(received_.size(), 2U);
+  EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "stop");
+  EXPECT_EQ(std::get<Incoming>(received_[1]).payload, "walk");
+}
+
 TEST_F(LoopPostTest, BringsNothingAfterItWasClosed) {
   post("disconnected");
   post_->close();
