@@ -50,7 +50,7 @@ void LoopPost::post_watched(Incoming message) {
   if (others + size > kMaxBytes) {
     message = {.topic = std::move(message.topic), .retained = message.retained, .received = message.received};
   }
-  if (older == nullptr && (load_.watched.size() >= kMaxMessages || others + size_of(message) > kMaxBytes)) {
+  if (older == nullptr && (load_.watched.size() >= kMaxTopics || others + size_of(message) > kMaxBytes)) {
     return;  // what was to be put right there is so with the next connection
   }
   load_.watched_bytes = others + size_of(message);
