@@ -42,7 +42,8 @@ void Bridge::on_subscribed(const Subscribed& subscribed) {
 }
 
 void Bridge::on_message(Incoming message) {
-  if (session_.sets_aside(message, canopen::Clock::now())) {
+  // A stop counts however it comes: carried out twice it does no harm, lost it does.
+  if (session_.sets_aside(message, canopen::Clock::now()) && !requests_.is_stop(message)) {
     leftovers_.heard(message);
     return;
   }

@@ -37,6 +37,12 @@ void LoopPost::post_watched(Incoming message) {
   if (!executor_) {
     return;
   }
+  if (is_stop_ && is_stop_(message)) {  // by the look at all that is kept
+    if (admit(message)) {
+      add(std::move(message));
+    }
+    return;
+  }
   const std::size_t size = size_of(message);
   const auto known = load_.watched.find(message.topic);
   Incoming* const older = known == load_.watched.end() ? nullptr : std::get_if<Incoming>(&events_[known->second]);
@@ -44,7 +50,7 @@ void LoopPost::post_watched(Incoming message) {
   if (others + size > kMaxBytes) {
     message = {.topic = std::move(message.topic), .retained = message.retained, .received = message.received};
   }
-  if (older == nullptr && (load_.watched.size() >= kMaxMessages || others + size_of(message) > kMaxBytes)) {
+  if (older == nullptr && (load_.watched.size() >= kMaxTopics || others + size_of(message) > kMaxBytes)) {
     return;  // what was to be put right there is so with the next connection
   }
   load_.watched_bytes = others + size_of(message);

@@ -21,10 +21,13 @@ namespace mqtt {
 /// get to, those beyond kMaxMessages or kMaxBytes are dropped, counted, and their number is told. Stops have as much
 /// room again; beyond that too, one is dropped only where another stop on its topic waits already, with no command
 /// behind it. What others write on topics that are watched costs no command its place: of each topic only the newest is
-/// brought, in the place of the first, up to kMaxMessages topics; beyond kMaxBytes without its payload.
+/// brought, in the place of the first, up to kMaxTopics; beyond kMaxBytes without its payload. A stop among
+/// them is a command.
 class LoopPost : public std::enable_shared_from_this<LoopPost> {
  public:
   static constexpr std::size_t kMaxMessages = 1000;
+  /// Of what is watched: more than a large plant has, for all that the broker keeps of it comes at once.
+  static constexpr std::size_t kMaxTopics = 10'000;
   static constexpr std::size_t kMaxBytes = 4UL * 1024 * 1024;
   using Call = std::function<void()>;
   using Receiver = std::function<void(Incoming&&)>;

@@ -68,6 +68,13 @@ bool OtherGateway::heard(const Incoming& message, canopen::TimePoint now) {
   if (!sign || sign->instance == instance_) {
     return false;
   }
+  const auto kept = before_.find(broker_);
+  const Sign* const before = kept != before_.end() && kept->second ? &*kept->second : nullptr;
+  // Times of one instance are those of one clock, written in one way (RFC 3339). A bridge between brokers may bring
+  // what is that old again, and `B/info` of the same life, which tells no time.
+  if (before != nullptr && before->instance == sign->instance && sign->ts <= before->ts) {
+    return false;
+  }
   if (!message.retained) {
     beside_ = sign->instance;
     note(sign->instance, "it publishes on " + message.topic, now);
@@ -76,13 +83,10 @@ bool OtherGateway::heard(const Incoming& message, canopen::TimePoint now) {
   if (sign->ts.empty()) {
     return false;  // `B/info`, which MQTT 3.1.1 brings too; `B/health` comes beside it
   }
-  if (first_) {
+  // What is older was there before: the broker lost what came later. Another gateway whose clock is late shows the next
+  // time.
+  if (first_ || (before != nullptr && sign->ts < before->ts)) {
     before_[broker_] = sign;
-    return false;
-  }
-  const std::optional<Sign>& before = before_[broker_];
-  // Times of one instance are those of one clock, written in one way (RFC 3339).
-  if (before && before->instance == sign->instance && sign->ts <= before->ts) {
     return false;
   }
   note(sign->instance, "it published on " + message.topic + " while we had no connection, perhaps by our client id",

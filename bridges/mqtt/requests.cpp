@@ -9,6 +9,7 @@
 
 #include "bridges/mqtt/under_way.h"
 #include "bridges/process/command_checks.h"
+#include "bridges/process/stop_all.h"
 
 namespace mqtt {
 
@@ -83,7 +84,7 @@ void Requests::handle(const Incoming& incoming, const Route& route) {
   if (command.allowed && may_repeat(incoming, command)) {
     const auto earlier = under_way_->duplicates.earlier(incoming, command.has_id, now);
     if (earlier && !command.expired) {
-      refuse(incoming, command, duplicate_error());
+      (void)refuse(incoming, command, duplicate_error());  // its answer waits for the first
       under_way_->repeat(command.to, *earlier);
       return;
     }
@@ -96,6 +97,9 @@ void Requests::handle(const Incoming& incoming, const Route& route) {
 }
 
 process::Outcome Requests::refuse(const Incoming& incoming, const Command& command, Error mistake) {
+  if (command.asked.has_value() && std::holds_alternative<StopAll>(command.asked.value())) {
+    process::refuse_stop_all(plant_, origin_of(incoming, command.id), mistake);
+  }
   const bool is_command = command.drive != nullptr && !command.reads;
   return is_command ? command.drive->refuse(origin_of(incoming, command.id), command.kind, std::move(mistake))
                     : process::Outcome(std::move(mistake));

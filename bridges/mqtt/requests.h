@@ -66,8 +66,9 @@ class Requests {
   [[nodiscard]] std::optional<canopen::Error> refuse_sender(const Incoming& incoming, const Command& command) const;
   /// It may be a repetition of an earlier one, and a later one a repetition of it.
   [[nodiscard]] static bool may_repeat(const Incoming& incoming, const Command& command);
-  /// What is told of a command that is refused here; where it names a drive, that one notes it.
-  static process::Outcome refuse(const Incoming& incoming, const Command& command, canopen::Error mistake);
+  /// What is told of a command that is refused here; where it names a drive, that one notes it, and
+  /// each of them where it is a stop for all.
+  [[nodiscard]] process::Outcome refuse(const Incoming& incoming, const Command& command, canopen::Error mistake);
   [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, Command& command, const Asker& asker);
   void take_sign_of_life(const Incoming& incoming, const Route& route);
 

@@ -21,8 +21,8 @@ namespace mqtt {
 /// brokers refuse by closing: what the connection broke at twice in a row is left out at that broker, unless it brings
 /// commands.
 ///
-/// Nothing that comes by the first look is a command: it is given back before commands are subscribed to, so that none
-/// comes twice, and they are subscribed to when nothing has come for a while.
+/// Nothing that comes by the first look is a command, unless it stops a motor: it is given back before commands are
+/// subscribed to, so that none comes twice, and they are subscribed to when nothing has come for a while.
 class Session {
  public:
   /// Longest wait for the answer to a subscription, and for what the broker keeps.
@@ -46,8 +46,8 @@ class Session {
   void connected(const Connected& connection, canopen::TimePoint now);
   void lost();
   void subscribed(const Subscribed& answer, canopen::TimePoint now);
-  /// A message came. True: by the first look, or on a connection that is given up; so it is no command, and nobody
-  /// wrote it to be put right.
+  /// A message came. True: by the first look, or on a connection that is given up; so it is no command but a stop,
+  /// and nobody wrote it to be put right.
   [[nodiscard]] bool sets_aside(const Incoming& message, canopen::TimePoint now);
   /// A message came on a topic that is not subscribed to.
   void stray(const Incoming& message);

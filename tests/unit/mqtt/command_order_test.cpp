@@ -294,6 +294,15 @@ TEST(CommandOrder, WhatNamesNoDriveOrReadsIsNoLineOfTheJournal) {
   EXPECT_EQ(journal.codes, std::vector<std::string>{});
 }
 
+TEST(CommandOrder, AStopForAllThatIsRefusedIsALineOfEachDrive) {
+  Ids journal;
+  Site there(cia402_model());
+  there.site.plant().drive(0).set_journal(&journal);
+  EXPECT_EQ(there.code({.topic = "stop", .payload = "1", .retained = true}), "retained");
+  EXPECT_EQ(there.code({.topic = "stop", .payload = "1", .expiry = 0}), "expired");
+  EXPECT_EQ(journal.codes, (std::vector<std::string>{"retained", "expired"}));
+}
+
 TEST(CommandOrder, TheIdOfTheClientIsThatOfTheCommand) {
   Ids journal;
   Site there(cia402_model());

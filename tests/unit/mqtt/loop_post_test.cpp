@@ -142,13 +142,21 @@ TEST_F(LoopPostTest, WhatIsWatchedCostsNoCommandItsPlaceAndIsTheNewestOfItsTopic
   EXPECT_EQ(std::get<Incoming>(received_.back()).payload, "again");
 }
 
+TEST_F(LoopPostTest, AllThatTheBrokerKeepsOfALargePlantComesInOneTurn) {
+  for (std::size_t i = 0; i < 5000; ++i) {
+    post_->post_watched(Incoming{.topic = std::to_string(i), .payload = "50.00"});
+  }
+  loop_.settle();
+  EXPECT_EQ(received_.size(), 5000U);
+}
+
 TEST_F(LoopPostTest, WhatIsWatchedIsBoundedInTopicsAndBytes) {
-  for (std::size_t i = 0; i < LoopPost::kMaxMessages + 5; ++i) {
+  for (std::size_t i = 0; i < LoopPost::kMaxTopics + 5; ++i) {
     post_->post_watched(Incoming{.topic = std::to_string(i), .payload = std::string(64UL * 1024, 'x')});
   }
   post_->post_watched(Incoming{.topic = "0", .payload = std::string(LoopPost::kMaxBytes, 'y')});
   loop_.settle();
-  ASSERT_EQ(received_.size(), LoopPost::kMaxMessages);
+  ASSERT_EQ(received_.size(), LoopPost::kMaxTopics);
   std::size_t bytes = 0;
   for (const auto& event : received_) {
     bytes += std::get<Incoming>(event).payload.size();
@@ -156,6 +164,17 @@ TEST_F(LoopPostTest, WhatIsWatchedIsBoundedInTopicsAndBytes) {
   EXPECT_LE(bytes, LoopPost::kMaxBytes);
   EXPECT_GT(bytes, LoopPost::kMaxBytes / 2);
   EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "") << "told, though without its payload";
+}
+
+TEST_F(LoopPostTest, AStopThatComesByWhatIsWatchedIsReplacedByNothing) {
+  post_->tell_stops_by([](const Incoming& message) { return message.payload == "stop"; });
+  for (const char* payload : {"stop", "run", "walk"}) {
+    post_->post_watched(Incoming{.topic = "pump1", .payload = payload});
+  }
+  loop_.settle();
+  ASSERT_EQ(received_.size(), 2U);
+  EXPECT_EQ(std::get<Incoming>(received_[0]).payload, "stop");
+  EXPECT_EQ(std::get<Incoming>(received_[1]).payload, "walk");
 }
 
 TEST_F(LoopPostTest, BringsNothingAfterItWasClosed) {

@@ -147,6 +147,22 @@ TEST(MqttOneTree, WhatIsPutRightIsCountedAndSaidOnceAMinute) {
   EXPECT_TRUE(contains(site.notices()[1], "11 times")) << site.notices()[1];
 }
 
+TEST(MqttOneTree, AStopThatComesByTheLookIsCarriedOut) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.broker().events->on_connected({.id = 1, .broker = kBroker});
+  site.loop().settle();
+  site.broker().events->on_subscribed({.filter = "canopen/line3/#"});
+  site.receive({.topic = "canopen/line3/stop", .payload = "1", .retained = true}, 100ms);
+  site.receive({.topic = "canopen/line3/pump1/frequency_command/set", .payload = "10"}, 100ms);
+  EXPECT_TRUE(site.broker().on("canopen/line3/result").empty()) << "one of the past, and one that is no stop";
+  site.receive({.topic = "canopen/line3/stop", .payload = "1"}, 100ms);
+  EXPECT_TRUE(contains(site.last_answer(), R"("topic":"canopen/line3/stop")")) << site.last_answer();
+  site.run(Session::kQuiet);  // the look is given back
+  site.receive({.topic = "canopen/line3/stop", .payload = R"({"id":"s2"})"}, 100ms);
+  EXPECT_TRUE(contains(site.last_answer(), R"("id":"s2")")) << site.last_answer();
+}
+
 TEST(MqttOneTree, ACommandThatComesByTheLookIsLeftToItsSubscription) {
   PlantSite site;
   site.bring_up_drive();

@@ -135,6 +135,29 @@ TEST_F(OtherGatewayTest, WhoWasThereBeforeUsAndPublishesAgainIsNotOurLastLife) {
   EXPECT_TRUE(kept(health(kOther, "2026-01-02T03:04:15.678Z"), start_ + 10s));
 }
 
+TEST_F(OtherGatewayTest, ABrokerThatIsRestartedWithAnOlderStoreShowsALifeBeforeOurLast) {
+  connect(start_);
+  kept(health("cccc", "2026-01-02T03:04:05.678Z"), start_);
+  other_.lost();
+  connect(start_ + 10s);
+  EXPECT_FALSE(kept(health(kOther, "2026-01-02T03:00:00.000Z"), start_ + 10s));
+  EXPECT_FALSE(other_.lives());
+  other_.lost();
+  connect(start_ + 20s);
+  EXPECT_TRUE(kept(health(kOther, "2026-01-02T03:00:10.000Z"), start_ + 20s)) << "its clock is late, but it runs";
+}
+
+TEST_F(OtherGatewayTest, WhatABridgeBetweenBrokersBringsOfOurLastLifeIsNone) {
+  connect(start_);
+  kept(health(kOther, "2026-01-02T03:04:05.678Z"), start_);
+  live(health(kOther, "2026-01-02T03:04:05.678Z"), start_ + 1s);
+  live(health(kOther, "2026-01-02T03:03:35.678Z"), start_ + 1s);
+  other_.heard({.topic = "canopen/line3/info", .payload = R"({"instance":"bbbb000011112222"})"}, start_ + 1s);
+  EXPECT_FALSE(other_.lives());
+  live(health(kOther, "2026-01-02T03:04:35.678Z"), start_ + 31s);
+  EXPECT_TRUE(other_.lives());
+}
+
 TEST_F(OtherGatewayTest, AConnectionThatBrokeBeforeAnythingWasPublishedIsNotTheFirst) {
   other_.connected("b:1883");
   other_.lost();

@@ -160,7 +160,9 @@ class SlowBroker : public testing::Test {
                  *model_.mqtt,
                  model_.gateway,
                  "1.2.3",
-                 make_publisher(loop_.executor(), *model_.mqtt, model_.gateway, [](Level, const std::string&) {}),
+                 "00112233aabbccdd",
+                 std::make_unique<Publisher>(loop_.executor(), publisher_settings(*model_.mqtt, model_.gateway),
+                                             [](Level, const std::string&) {}),
                  [](Level, const std::string&) {}};
 };
 
