@@ -44,13 +44,8 @@ std::string text_of(const Refusal& refusal) {
 void Publisher::run() {
   block_signals();
   for (bool goes_on = true; goes_on;) {
-    const auto begun = Clock::now();
     const Line::End end = attempt();
     drop_client();
-    if (Clock::now() - begun > kGoodConnection) {
-      attempts_.held();
-      last_failure_.clear();
-    }
     const auto duration = end.stays ? settings_.pause_after_refusal : attempts_.next_pause();
     say_failure(end, duration);
     goes_on = pause(duration);
@@ -83,7 +78,13 @@ Line::End Publisher::attempt() {
     }
     version = attempts_.next_version(address, *version, refusal);
     if (!refusal) {
-      return serve();
+      const auto begun = Clock::now();
+      Line::End end = serve();
+      if (Clock::now() - begun > kGoodConnection) {
+        attempts_.held();
+        last_failure_.clear();
+      }
+      return end;
     }
     if (!version) {
       return {text_of(*refusal), refuses_credentials(refusal->code)};
@@ -154,7 +155,7 @@ Line::End Publisher::serve() {
     if (!carry_out(lock) || !send(lock)) {
       line_.state = Line::State::down;
     } else if (line_.drop || (finishing_ && farewell_over())) {
-      const bool say_will = line_.drop || !has_last_words_ || !traffic_.all_said(Clock::now());
+      const bool say_will = line_.drop || !has_last_words_ || !traffic_.nothing_waits();
       lock.unlock();
       client_->disconnect(kGoodbye, say_will);
       lock.lock();
@@ -174,13 +175,16 @@ bool Publisher::carry_out(Lock& lock) {
 }
 
 bool Publisher::send(Lock& lock) {
-  while (const Message* const message = line_.is_up() ? traffic_.next(Clock::now()) : nullptr) {
+  // As much as there is may come faster than it leaves: other work does not wait for that.
+  while (const Message* const message = line_.wants() ? nullptr : traffic_.next(Clock::now())) {
+    expect_sign_of_life(kSilence);
     lock.unlock();
     const Client::Sent outcome = client_->publish(*message);
     lock.lock();
     if (outcome == Client::Sent::unfit) {
       traffic_.unfit(message);
     } else if (outcome == Client::Sent::broken) {
+      traffic_.not_sent(message, Clock::now());
       return false;
     }
   }

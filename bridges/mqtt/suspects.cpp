@@ -1,5 +1,6 @@
 #include "bridges/mqtt/suspects.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace mqtt {
@@ -7,6 +8,12 @@ namespace {
 
 std::size_t hash_of(const std::string& payload) {
   return std::hash<std::string>()(payload);
+}
+
+std::chrono::seconds hold_of(const Message& message, int times) {
+  constexpr int kMaxDoublings = 10;
+  return std::min(Suspects::kFirstHold * (1 << std::min(times - 1, kMaxDoublings)),
+                  message.kind == MessageKind::value ? Suspects::kLongestHold : Suspects::kLongestHoldOfAlarms);
 }
 
 }  // namespace
@@ -23,22 +30,25 @@ std::optional<Suspects::Verdict> Suspects::broke(const std::vector<const Message
     return std::nullopt;
   }
   const Message& message = *under_way.front();
-  const auto [entry, first] = held_.try_emplace(message.topic);
-  const bool again = entry->second.whatever;
-  entry->second = {
-      .size = message.payload.size(), .hash = hash_of(message.payload), .until = now + kHeldFor, .whatever = !first};
-  return Verdict{message.topic, !first, again};
+  Held& held = held_[message.topic];
+  const int times = held.times + 1;
+  const std::chrono::seconds hold = hold_of(message, times);
+  held = {.size = message.payload.size(), .hash = hash_of(message.payload), .until = now + hold, .times = times};
+  return Verdict{message.topic, times, hold};
 }
 
 bool Suspects::leaves_alone(const Message& message) const {
   return message.kind != MessageKind::answer && suspected_.contains(message.topic);
 }
 
-bool Suspects::holds_back(const Message& message, TimePoint now) const {
+bool Suspects::holds_back(const Message& message, bool begun, TimePoint now) const {
   const auto entry = held_.find(message.topic);
-  return entry != held_.end() && now < entry->second.until &&
-         (entry->second.whatever ||
-          (entry->second.size == message.payload.size() && entry->second.hash == hash_of(message.payload)));
+  if (entry == held_.end()) {
+    return false;
+  }
+  const Held& held = entry->second;
+  const bool same = held.size == message.payload.size() && held.hash == hash_of(message.payload);
+  return (!begun && !message.after_all) || (now < held.until && (held.times > 1 || same));
 }
 
 void Suspects::acquit(const Message& message) {

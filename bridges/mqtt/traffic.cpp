@@ -43,6 +43,7 @@ void Traffic::begin(const BrokerLimits& limits, int version, TimePoint now) {
   limits_ = limits;
   version_ = version;
   open_ = false;
+  begun_ = false;
   progress_ = now;
 }
 
@@ -61,9 +62,7 @@ void Traffic::end(bool unexplained, TimePoint now) {
     suspects_.forget();  // one that is never acknowledged must not hold up the others each time
   } else if (const auto held = suspects_.broke(messages, left_, now)) {
     ++dropped_;
-    if (!held->again) {
-      say(*held);
-    }
+    say(*held);
   }
   outbox_.forget_retained();
   for (Outbox::Item& item : under_way_) {
@@ -104,6 +103,15 @@ void Traffic::unfit(const Message* message) {
   ++dropped_;
 }
 
+void Traffic::not_sent(const Message* message, TimePoint now) {
+  const auto item = find(message);
+  if (item->message.kind == MessageKind::answer) {
+    --item->tries;
+    outbox_.put_back(std::move(*item), now);
+  }
+  under_way_.erase(item);  // what is retained goes with the connection
+}
+
 void Traffic::acknowledged(const Message* message, Delivery delivery, int code, TimePoint now) {
   const auto sent = find(message);
   if (sent == under_way_.end() || delivery == Delivery::failed) {
@@ -116,6 +124,7 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
                                 " first: " + reason_text(code) + "; check what the gateway's user may write");
     }
   }
+  begun_ = begun_ || sent->message.after_all;
   suspects_.acquit(sent->message);
   under_way_.erase(sent);
   progress_ = now;
@@ -130,7 +139,7 @@ BrokerCounts Traffic::counts() const {
 }
 
 Outbox::Holds Traffic::holds(TimePoint now) const {
-  return [this, now](const Message& message) { return suspects_.holds_back(message, now); };
+  return [this, now](const Message& message) { return suspects_.holds_back(message, begun_, now); };
 }
 
 std::list<Outbox::Item>::iterator Traffic::find(const Message* message) {
@@ -150,9 +159,15 @@ bool Traffic::fits(const Message& message) {
 }
 
 void Traffic::say(const Suspects::Verdict& held) const {
-  notice_(Level::error, "MQTT: the broker ends the connection where " + held.topic + " is published; it is held back " +
-                            (held.whatever ? "for" : "until it changes, at most for") + " 10 min; check what the " +
-                            "gateway's user may write, and how long a message the broker takes");
+  const std::string text =
+      "MQTT: the broker ends the connection where " + held.topic + " is published; it is held back ";
+  const std::string hold = std::to_string(held.hold.count()) + " s";
+  if (held.times == 1) {
+    notice_(Level::warning, text + "until it changes, at most for " + hold);
+  } else if (held.times == 2) {
+    notice_(Level::error, text + "for " + hold + ", then for longer each time; check what the gateway's user may " +
+                              "write, and how long a message the broker takes");
+  }
 }
 
 }  // namespace mqtt

@@ -49,10 +49,14 @@ class Traffic {
   [[nodiscard]] const Message* next(TimePoint now);
   /// Paho cannot send it.
   void unfit(const Message* message);
+  /// Paho took nothing any more: it did not leave.
+  void not_sent(const Message* message, TimePoint now);
   /// `code`: of a PUBACK that refuses it.
   void acknowledged(const Message* message, Delivery delivery, int code, TimePoint now);
 
   [[nodiscard]] bool all_said(TimePoint now) { return open_ && under_way_.empty() && front(now) == nullptr; }
+  /// Nothing is held back, either.
+  [[nodiscard]] bool nothing_waits() const { return open_ && under_way_.empty() && outbox_.empty(); }
   [[nodiscard]] bool stalled(TimePoint now) const { return !under_way_.empty() && now - progress_ > kStalled; }
   [[nodiscard]] bool stuck(TimePoint now);
   [[nodiscard]] BrokerCounts counts() const;
@@ -70,6 +74,7 @@ class Traffic {
   std::list<Outbox::Item> under_way_;
   Suspects suspects_;
   bool open_ = false;
+  bool begun_ = false;  ///< What leaves after all else was acknowledged on this connection.
   int version_ = 0;
   BrokerLimits limits_;
   TimePoint progress_{};  ///< When something was acknowledged, or sent after a time of nothing.

@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::answer;
+using test::status;
 using test::value;
 using Texts = std::vector<std::string>;
 
@@ -55,7 +56,7 @@ class TrafficTest : public testing::Test {
   /// As the bridge does with each connection.
   Texts announce_to(const std::string& hated, const std::string& payload = "1") {
     begin();
-    push({value("a", "1"), value("bad", payload), value("c", "1")});
+    push({value("a", "1"), value("bad", payload), value("c", "1"), status("B", "online", true)});
     return send_to(hated);
   }
 
@@ -168,7 +169,7 @@ TEST_F(TrafficTest, TheTopicThatEndsEachConnectionIsHeldBackAndAllElseIsPublishe
   (void)announce_to("bad");
   ASSERT_EQ(said_.size(), 1U);
   EXPECT_NE(said_[0].find("bad is published"), std::string::npos) << said_[0];
-  EXPECT_EQ(announce_to("bad"), (Texts{"a=1", "c=1"}));
+  EXPECT_EQ(announce_to("bad"), (Texts{"a=1", "c=1", "B=online"}));
   EXPECT_EQ(traffic_.counts().messages_dropped, 1U);
   push({value("bad", "1"), value("c", "2")});
   EXPECT_EQ(send_to("bad"), Texts{"c=2"});
@@ -179,27 +180,94 @@ TEST_F(TrafficTest, TheTopicThatEndsEachConnectionIsHeldBackAndAllElseIsPublishe
 TEST_F(TrafficTest, WhatIsHeldBackIsTriedAgainWhenItChanges) {
   (void)announce_to("bad");
   (void)announce_to("bad");
-  EXPECT_EQ(announce_to("", "2"), (Texts{"a=1", "bad=2", "c=1"}));
+  EXPECT_EQ(announce_to("", "2"), (Texts{"a=1", "c=1", "B=online", "bad=2"}));
   push({value("bad", "1")});
   EXPECT_EQ(send_to(""), Texts{"bad=1"}) << "all is forgiven";
 }
 
-TEST_F(TrafficTest, ATopicThatIsRefusedWhateverItSaysIsHeldBackWhateverItSays) {
+TEST_F(TrafficTest, ATopicThatEndsEachConnectionIsHeldBackForLongerEachTimeWhateverItSays) {
+  const Texts others{"a=1", "c=1", "B=online"};
   (void)announce_to("bad");
   (void)announce_to("bad");
-  (void)announce_to("bad", "2");
+  EXPECT_EQ(announce_to("bad", "2"), others) << "and then the connection ended: it was another payload";
   EXPECT_EQ(said_.size(), 2U);
-  EXPECT_EQ(announce_to("bad", "3"), (Texts{"a=1", "c=1"}));
-  now_ += Suspects::kHeldFor - 1s;
-  EXPECT_EQ(traffic_.next(now_), nullptr);
-  now_ += 1s;
-  push({value("c", "2")});
-  EXPECT_FALSE(traffic_.stuck(now_)) << "what was held back could not leave before";
-  EXPECT_TRUE(send_to("bad").empty()) << "the one that waited is tried again, and the connection ends";
-  EXPECT_EQ(announce_to("bad", "4"), (Texts{"a=1", "c=1"})) << "held back again";
+  for (auto hold = 2 * Suspects::kFirstHold; hold < Suspects::kLongestHold; hold *= 2) {
+    EXPECT_EQ(announce_to("bad", "3"), others);
+    now_ += hold - 1s;
+    EXPECT_EQ(traffic_.next(now_), nullptr);
+    now_ += 1s;
+    push({value("c", "2")});
+    EXPECT_FALSE(traffic_.stuck(now_)) << "what was held back could not leave before";
+    EXPECT_TRUE(send_to("bad").empty()) << "the one that waited is tried again, and the connection ends";
+  }
+  EXPECT_EQ(announce_to("bad", "4"), others) << "held back again";
+  now_ += Suspects::kLongestHold;
+  EXPECT_EQ(send_to(""), Texts{"bad=4"});
   EXPECT_EQ(said_.size(), 2U);
-  now_ += Suspects::kHeldFor;
-  EXPECT_EQ(announce_to("", "5"), (Texts{"bad=5", "a=1", "c=1"})) << "in the place in which it waited";
+}
+
+// The network breaks in the same moment of each connection.
+TEST_F(TrafficTest, AnAlarmThatBadLuckHitsEachTimeIsHeldBackForAMinuteAtMost) {
+  begin();
+  push({test::alarm("alarm", "on")});
+  EXPECT_EQ(send().size(), 1U);
+  traffic_.end(true, now_);
+  begin();
+  push({test::alarm("alarm", "on"), status("B", "online", true)});
+  EXPECT_EQ(send_to("alarm"), Texts{});
+  EXPECT_EQ(announce_to(""), (Texts{"a=1", "bad=1", "c=1", "B=online"}));
+  push({test::alarm("alarm", "on")});
+  now_ += Suspects::kFirstHold;
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(send_to("alarm"), Texts{}) << i;
+    EXPECT_EQ(announce_to(""), (Texts{"a=1", "bad=1", "c=1", "B=online"}));
+    push({test::alarm("alarm", "on")});
+    now_ += Suspects::kLongestHoldOfAlarms;
+  }
+  EXPECT_EQ(send_to(""), Texts{"alarm=on"});
+  push({test::alarm("alarm", "on")});
+  EXPECT_EQ(send_to(""), Texts{"alarm=on"}) << "all is forgiven";
+}
+
+TEST_F(TrafficTest, ManyTopicsThatEndTheConnectionKeepNothingElseBack) {
+  const auto announce = [this] {
+    begin();
+    push({test::alarm("x", "1"), test::alarm("y", "1"), value("c", "1"), status("B", "online", true)});
+  };
+  for (const char* const hated : {"x", "x", "y"}) {  // the first time both were under way
+    announce();
+    EXPECT_EQ(send_to(hated), Texts{});
+  }
+  now_ += Suspects::kLongestHold;
+  announce();
+  EXPECT_EQ(send_to("x"), (Texts{"c=1", "B=online"})) << "before either is tried again";
+}
+
+TEST_F(TrafficTest, WhatPahoDidNotTakeIsNotSuspectedAndItsAnswerNotTried) {
+  push({value("a", "1")});
+  const auto sent = send();
+  traffic_.end(true, now_);
+  for (int i = 0; i < 3; ++i) {
+    begin();
+    push(i == 0 ? std::vector<Message>{value("a", "1"), answer("1")} : std::vector<Message>{value("a", "1")});
+    const Message* const message = traffic_.next(now_);
+    ASSERT_NE(message, nullptr);
+    traffic_.not_sent(message, now_);
+    traffic_.end(true, now_);
+  }
+  begin();
+  push({value("a", "1")});
+  EXPECT_EQ(send_to(""), (Texts{"reply=1", "a=1"}));
+  EXPECT_TRUE(said_.empty());
+}
+
+TEST_F(TrafficTest, WhatIsHeldBackAtTheEndIsNotSaid) {
+  (void)announce_to("bad");
+  (void)announce_to("bad");
+  begin();
+  push({value("bad", "1")});
+  EXPECT_TRUE(traffic_.all_said(now_));
+  EXPECT_FALSE(traffic_.nothing_waits()) << "so the will is to be said";
 }
 
 TEST_F(TrafficTest, OnlineDoesNotWaitForWhatIsHeldBack) {
@@ -213,8 +281,8 @@ TEST_F(TrafficTest, OnlineDoesNotWaitForWhatIsHeldBack) {
 TEST_F(TrafficTest, WhatIsHeldBackIsPublishedInTheEndThoughNobodySaysItAgain) {
   (void)announce_to("bad");
   (void)announce_to("bad");
-  EXPECT_EQ(announce_to("bad"), (Texts{"a=1", "c=1"}));
-  now_ += Suspects::kHeldFor;
+  EXPECT_EQ(announce_to("bad"), (Texts{"a=1", "c=1", "B=online"}));
+  now_ += Suspects::kFirstHold;
   const Message* const released = traffic_.next(now_);
   ASSERT_NE(released, nullptr);
   EXPECT_EQ(released->topic, "bad");
@@ -227,7 +295,7 @@ TEST_F(TrafficTest, OneThatWasAloneUnderWayForLongDidNotEndTheConnection) {
   EXPECT_EQ(send().size(), 1U);
   now_ += Suspects::kPrompt + 1ms;
   traffic_.end(true, now_);
-  EXPECT_EQ(announce_to(""), (Texts{"a=1", "bad=1", "c=1"}));
+  EXPECT_EQ(announce_to(""), (Texts{"a=1", "bad=1", "c=1", "B=online"}));
   EXPECT_TRUE(said_.empty());
 }
 
