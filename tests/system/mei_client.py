@@ -7,6 +7,8 @@ a fact; leaves with 0 where everything agrees with the papers, else with 1.
 import argparse
 import sys
 
+sys.dont_write_bytecode = True  # the source tree stays as it is
+
 from modbus import judge, self_test
 from modbus.protocol import STREAMS, Connection, Disagreement, read_individual, read_object, read_stream, write_object
 

@@ -17,6 +17,8 @@ Unit 255 is unit 0 unless it is given.
 import argparse
 import sys
 
+sys.dont_write_bytecode = True  # the source tree stays as it is
+
 from modbus import self_test
 from modbus.table import Table, load, run_frames, run_requests
 

@@ -2,6 +2,7 @@
 import contextlib
 import io
 import struct
+import sys
 import unittest
 from types import SimpleNamespace
 
@@ -135,9 +136,9 @@ class Runs(unittest.TestCase):
         """(disagreements, the table) of these parts of the run against a model with this fault."""
         units, writer = load(MAP)
         server = Server(Model(load(MAP)[0], fault))  # of its own: what was written is remembered on each side
-        table = Table(False)
         options = SimpleNamespace(quiet=0.02, patience=0.15, half_request_deadline=0.4)
         with contextlib.redirect_stdout(io.StringIO()) as printed:
+            table = Table(False)
             if "requests" in parts:
                 run_requests(server.peer, units, writer, table, options.patience)
             if "frames" in parts:
@@ -167,6 +168,5 @@ class Runs(unittest.TestCase):
 
 
 def run():
-    result = unittest.TextTestRunner(verbosity=1).run(unittest.defaultTestLoader.loadTestsFromModule(__import__(
-        "modbus.self_test", fromlist=["run"])))
-    return 0 if result.wasSuccessful() else 1
+    tests = unittest.defaultTestLoader.loadTestsFromModule(sys.modules[__name__])
+    return 0 if unittest.TextTestRunner().run(tests).wasSuccessful() else 1

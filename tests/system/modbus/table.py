@@ -6,6 +6,9 @@ from modbus.expected import WRITES, Masked, Unit, expected, remember_write
 from modbus.judge import Row, ask
 from modbus.protocol import Connection
 
+GIVE_UP = 20  # requests in a row; a server that is gone need not be asked ten thousand times
+PREFACE = """Where the header does not matter, a request is the unit and the PDU, an answer the PDU; their headers are right:
+the transaction id comes back, the protocol id is 0, the length agrees. Bytes that move from run to run are dots."""
 SECTION_HEAD = "| | request | answer | why |\n|---|---|---|---|"
 
 
@@ -49,6 +52,7 @@ class Table:
 
     def __init__(self, everything):
         self.everything = everything
+        print(PREFACE)
         self.section, self.groups = None, {}
         self.total = self.failed = self.open = 0
 
@@ -78,9 +82,14 @@ class Table:
 def run_requests(peer, units, writer, table, patience):
     """Unit and PDU of each request on one connection; the header is checked with each answer."""
     connection = Connection(*peer, patience)
+    silent = 0
     for section, group, number, pdu in requests.all_requests(units):
         row = Row(pdu, expected(units, number, pdu, writer))
         answer, text, good = ask(connection, number, row)
+        silent = 0 if answer else silent + 1
+        if silent == GIVE_UP:
+            table.add(section, group, "the rest", "", f"given up after {GIVE_UP} requests without an answer", False)
+            break
         if good and pdu[0] in WRITES and answer[0] == pdu[0]:
             remember_write(units[number], pdu)
         table.add(section, group, shorten(bytes([number]) + pdu), shown(answer, row), text, good)
