@@ -59,8 +59,8 @@ def arguments():
         parser.error("HOST PORT UNIT and what to do are missing")
     if options.node is None:
         options.node = options.unit
-    if options.action.endswith("object") and not options.rest:
-        parser.error("INDEX:SUB is missing")
+    if len(options.rest) not in {"read-object": (1, 3), "write-object": (2,)}.get(options.action, (0,)):
+        parser.error(f"{options.action} does not take {len(options.rest)} arguments")
     return options
 
 

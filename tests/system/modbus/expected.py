@@ -24,6 +24,7 @@ class Unit:
     gateway: bool = False
     buses: int = 1
     offline: bool = False
+    writer: bool = True  # whether this client may write here at all
     registers: dict = field(default_factory=dict)  # address: word or None
     wide: dict = field(default_factory=dict)  # first address: words that belong together
     commands: set = field(default_factory=set)  # their reads never fail
@@ -170,9 +171,9 @@ def write_and_read(unit, pdu):
     overlaid = {at: words.get(at, word) for at, word in unit.registers.items()}
     after = replace(unit, registers=overlaid)
     answer = read_words(after, 23, read_at, read_count)
-    refusals = [part for part in (written, answer) if part[0][0].startswith("exception")]
-    addresses = [part for part in refusals if part[0][1] == b"\x97\x02"]  # judged before the drive is asked
-    return (addresses or refusals or [answer])[0]
+    # Open: which one is told where the address is wrong and the drive is not there.
+    refusals = {part[0][1]: part[0] for part in (written, answer) if part[0][0].startswith("exception")}
+    return list(refusals.values()) or answer
 
 
 def remember_write(unit, pdu):
@@ -250,13 +251,14 @@ def known_unit_answer(unit, pdu):
     return read(unit, function, *words_of(pdu, 1, 2))
 
 
-def expected(units, number, pdu, writer=True):
+def expected(units, number, pdu):
     """The alternatives for a request to this unit; a unit that nobody has answers 0x0A."""
     function = pdu[0]
     if number in units:
         answer = known_unit_answer(units[number], pdu)
         # Open: whether the writer or the request is judged first.
-        return answer if writer or function not in WRITES else exception(function, 0x01) + answer
+        forbidden = function in WRITES and not units[number].writer
+        return exception(function, 0x01) + answer if forbidden else answer
     wrong = [pair for pair in known_unit_answer(Unit(), pdu) if pair[1] in (bytes([function | 0x80, 1]),
                                                                            bytes([function | 0x80, 3]))]
     # Open: a wrong request to a unit that nobody has is wrong twice.

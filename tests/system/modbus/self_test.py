@@ -1,16 +1,18 @@
 """The checks of the client, the judge and the conformance run themselves; no server is needed."""
 import contextlib
 import io
+import json
 import struct
 import sys
 import unittest
 from types import SimpleNamespace
 
 from modbus import judge, protocol
-from modbus.expected import Masked, Unit, expected
+from modbus.expected import Masked, Unit, expected, remember_write
+from modbus.known import load
 from modbus.model import LARGE, Model, Server
 from modbus.requests import all_requests
-from modbus.table import Table, load, run_frames, run_requests
+from modbus.table import Table, run_frames, run_requests
 
 MAP = """{"units": {"0": {"gateway": true, "registers": {"1": 1}},
   "5": {"registers": {"0": 1591, "2": null, "100": null, "101": null, "200": 1}, "wide": {"200": 2},
@@ -58,12 +60,29 @@ class Examples(unittest.TestCase):
                          "17 0a 00 fe 0a cd 00 01 00 03 00 0d")
         self.assertEqual(self.answer("17 00 0e 00 01 00 0e 00 01 02 12 34"), "17 02 12 34")
 
+    def test_mask_write(self):
+        unit = Unit(registers={4: 0x12}, writes={4: [[0x17]]})
+        remember_write(unit, hexed("16 00 04 00 f2 00 25"))
+        self.assertEqual(unit.registers[4], 0x17)
+
     def test_exceptions(self):
         self.assertEqual(self.answer("01 04 a1 00 01"), "81 02")
         self.assertEqual(self.answer("03 00 00 00 7e"), "83 03")
         self.assertEqual(self.answer("07"), "87 01")
         self.assertEqual(self.answer("85 00"), "85 01")
         self.assertEqual(expected({}, 9, hexed("03 00 00 00 01"))[0][1], hexed("83 0a"))
+
+
+class Known(unittest.TestCase):
+    def test_map(self):
+        signals = [{"access": access, "modbus": place and {"kind": place[0], "address": place[1], "count": place[2]}}
+                   for access, place in [("read", ("register", 2, 1)), ("write", ("register", 100, 1)), ("read", None),
+                                         ("readwrite", ("register", 200, 2)), ("read", ("bit", 0, 1))]]
+        tree = {"buses": [{}], "drives": [{"modbus_unit": 5, "signals": signals}]}
+        units = load(json.dumps(tree), '{"units": {"5": {"registers": {"2": 7}}}}')
+        self.assertEqual(sorted(units), [0, 5, 255])
+        self.assertEqual(units[5].registers, {2: 7, 100: None, 200: None, 201: None})
+        self.assertEqual((units[5].commands, units[5].wide, units[5].bits), ({100}, {200: 2}, {0: None}))
 
 
 class Identification(unittest.TestCase):
@@ -113,7 +132,7 @@ class Runs(unittest.TestCase):
         options = SimpleNamespace(unit=5, node=5, conformity=0x83, known=(0x1018, 1, hexed("01020304")),
                                   large=(0x1008, 0), writable=(0x2000, 0, hexed("1234")), absent=(0x3000, 0),
                                   read_only=(0x1018, 1), wrong_node=6, offline_node=None)
-        server = Server(Model(load(MAP)[0], fault))
+        server = Server(Model(load(MAP), fault))
         connection = protocol.Connection(*server.peer)
         try:
             with contextlib.redirect_stdout(io.StringIO()):
@@ -134,13 +153,13 @@ class Runs(unittest.TestCase):
 
     def failures(self, fault, *parts):
         """(disagreements, the table) of these parts of the run against a model with this fault."""
-        units, writer = load(MAP)
-        server = Server(Model(load(MAP)[0], fault))  # of its own: what was written is remembered on each side
+        units = load(MAP)
+        server = Server(Model(load(MAP), fault))  # of its own: what was written is remembered on each side
         options = SimpleNamespace(quiet=0.02, patience=0.15, half_request_deadline=0.4)
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             table = Table(False)
             if "requests" in parts:
-                run_requests(server.peer, units, writer, table, options.patience)
+                run_requests(server.peer, units, table, options.patience)
             if "frames" in parts:
                 run_frames(server.peer, units, options, table)
             table.summary()
@@ -158,9 +177,9 @@ class Runs(unittest.TestCase):
 
     def test_writes_only_where_allowed(self):
         """No request of the run is taken as a write outside what the caller allows."""
-        units, writer = load(MAP)
+        units = load(MAP)
         for section, group, number, pdu in all_requests(units):
-            answers = expected(units, number, pdu, writer)
+            answers = expected(units, number, pdu)
             if pdu[0] in (5, 6, 15, 16, 22) and answers[0][0] == "echo":
                 address, quantity = struct.unpack(">HH", pdu[1:5])
                 last = address + (quantity if pdu[0] in (15, 16) else 1)
