@@ -21,10 +21,13 @@ constexpr std::size_t kReferenceHead = 12;
 constexpr std::size_t kMaxData = kMaxPdu - kReferenceHead;
 constexpr std::uint8_t kWrite = 0x01;
 
-std::vector<std::uint8_t> head_of(std::span<const std::uint8_t> pdu, std::size_t count) {
-  std::vector<std::uint8_t> answer(pdu.begin(), pdu.begin() + kReferenceHead);
-  answer[kCount] = static_cast<std::uint8_t>(count >> 8);
-  answer[kCount + 1] = static_cast<std::uint8_t>(count);
+// The head of the request, the count of what follows, and that.
+std::vector<std::uint8_t> answer_to(std::span<const std::uint8_t> pdu, std::span<const std::uint8_t> data) {
+  std::vector<std::uint8_t> answer(kReferenceHead + data.size());
+  std::ranges::copy(pdu.first(kReferenceHead), answer.begin());
+  answer[kCount] = static_cast<std::uint8_t>(data.size() >> 8);
+  answer[kCount + 1] = static_cast<std::uint8_t>(data.size());
+  std::ranges::copy(data, answer.begin() + kReferenceHead);
   return answer;
 }
 
@@ -51,14 +54,11 @@ std::vector<std::uint8_t> bytes_read(std::span<const std::uint8_t> pdu, const Re
                                      std::span<const std::uint8_t> bytes) {
   const std::size_t from = std::min<std::size_t>(reference.start, bytes.size());
   const std::size_t wanted = reference.count == 0 ? kMaxData : std::min<std::size_t>(reference.count, kMaxData);
-  const auto part = bytes.subspan(from, std::min(wanted, bytes.size() - from));
-  std::vector<std::uint8_t> answer = head_of(pdu, part.size());
-  answer.insert(answer.end(), part.begin(), part.end());
-  return answer;
+  return answer_to(pdu, bytes.subspan(from, std::min(wanted, bytes.size() - from)));
 }
 
 std::vector<std::uint8_t> written(std::span<const std::uint8_t> pdu) {
-  return head_of(pdu, 0);
+  return answer_to(pdu, {});
 }
 
 std::vector<std::uint8_t> aborted(std::uint32_t code) {
