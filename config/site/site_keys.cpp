@@ -130,7 +130,9 @@ const SectionOf<Mqtt>& mqtt_section() {
              "Whom the broker knows the gateway as; no other client may have the same.")
            .unset("canopen-gateway-NAME"),
        Field("base", &Mqtt::base, text(), "First part of every topic."),
-       Field("qos", &Mqtt::qos, integer(0, 1), "Quality of service of what is published."),
+       Field("qos", &Mqtt::qos, integer(0, 1),
+             "Quality of service of what is published. 0: nobody acknowledges, see "
+             "[MQTT.md](MQTT.md#what-is-true-without-the-gateway)."),
        Field("state", &Mqtt::state, boolean(), "One JSON topic per drive."),
        Field("signals", &Mqtt::signals, boolean(), "One plain topic per signal."),
        Field("min_interval", &Mqtt::min_interval, duration({.min = seconds(0), .max = kDay}),

@@ -53,9 +53,9 @@ constexpr std::array<std::string_view, 19> kProcess{"bridges/text/",
                                                     "canopen/event.h",
                                                     "canopen/wake_up.h",
                                                     "canopen/hex.h"};
-constexpr std::array<std::string_view, 8> kBridge{"bridges/text/",    "bridges/alarms/", "bridges/process/",
-                                                  "config/model.h",   "canopen/clock.h", "canopen/error.h",
-                                                  "canopen/object.h", "canopen/hex.h"};
+constexpr std::array<std::string_view, 9> kBridge{"config/address_map.h", "bridges/text/",    "bridges/alarms/",
+                                                  "bridges/process/",     "config/model.h",   "canopen/clock.h",
+                                                  "canopen/error.h",      "canopen/object.h", "canopen/hex.h"};
 // What is commanded, as `bridges/process` hands it over, and how it waits.
 constexpr std::array<std::string_view, 11> kJournal{
     "bridges/disk/",   "bridges/text/", "bridges/process/", "config/model.h",   "canopen/clock.h",  "canopen/error.h",
