@@ -37,7 +37,7 @@ constexpr std::size_t kDrives = 16;
 constexpr canopen::Duration kTake = 20ms;
 constexpr std::size_t kSecond = 1s / kTake;  ///< In messages that the broker takes.
 constexpr std::uint8_t kGatewayNode = 127;
-constexpr std::uint16_t kOvercurrent = 0x0006;
+constexpr std::uint16_t kOvercurrentCode = 0x0006;
 constexpr double kStep = 0.02;  ///< In Hz: what one state may be off by rounding.
 
 std::string name_of(std::size_t drive) {
@@ -180,7 +180,7 @@ TEST_F(SlowBroker, GetsAlarmsAndAnswersAtOnceAndNoStateThatIsOld) {
   Taken taken;
   while (taken.messages.size() < kTime) {
     if (taken.messages.size() == kRaised) {
-      drives_[kFaulty]->fault(kOvercurrent);
+      drives_[kFaulty]->fault(kOvercurrentCode);
       const std::uint64_t written = writes_to(kCommanded);
       broker_.deliver("canopen/line3/" + name_of(kCommanded) + "/frequency_command/set", R"({"value":49.5,"id":"a1"})");
       ASSERT_TRUE(wait_until([&] { return writes_to(kCommanded) > written; }));
