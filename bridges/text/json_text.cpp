@@ -29,6 +29,22 @@ std::optional<std::string> quoted(std::string_view text) {
   return failure ? std::nullopt : std::optional(std::move(written));
 }
 
+// Each byte that belongs to no character becomes U+FFFD; all else stays.
+std::string repaired(std::string_view text) {
+  constexpr std::size_t kLongestCharacter = 4;
+  std::string sound;
+  while (!text.empty()) {
+    std::size_t length = 1;
+    while (length <= kLongestCharacter && !quoted(text.substr(0, length))) {
+      ++length;
+    }
+    const bool is_character = length <= std::min(kLongestCharacter, text.size());
+    sound += is_character ? text.substr(0, length) : std::string_view("\xEF\xBF\xBD");
+    text.remove_prefix(is_character ? length : 1);
+  }
+  return sound;
+}
+
 template <class Real>
 bool append_shortest(std::string& out, Real value) {
   if (!std::isfinite(value)) {
@@ -54,9 +70,7 @@ void append_quoted(std::string& out, std::string_view text) {
   } else if (const auto written = quoted(text)) {
     out += *written;
   } else {
-    std::string repaired(text);
-    std::replace_if(repaired.begin(), repaired.end(), [](char each) { return !stands_for_itself(each); }, '?');
-    append_quoted(out, repaired);
+    append_quoted(out, repaired(text));
   }
 }
 

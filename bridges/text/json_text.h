@@ -13,7 +13,7 @@ namespace text {
 /// Well-formed UTF-8 (RFC 3629).
 [[nodiscard]] bool is_utf8(std::string_view text);
 
-/// A quoted and escaped JSON string. Of text that is no UTF-8 all but plain characters become question marks.
+/// A quoted and escaped JSON string. Bytes that are no UTF-8 become U+FFFD each.
 void append_quoted(std::string& out, std::string_view text);
 
 /// The shortest digits; false (and nothing appended) for NaN and infinity.

@@ -67,7 +67,7 @@ TEST(JournalLine, TextIsAlwaysJson) {
   EXPECT_EQ(text_in_json("pump1"), R"("pump1")");
   EXPECT_EQ(text_in_json("a\"b\\c\n"), R"("a\"b\\c\n")");
   EXPECT_EQ(text_in_json("Ventil geöffnet"), "\"Ventil geöffnet\"");
-  EXPECT_EQ(text_in_json("a\xC3"), R"("a?")") << "cut in the middle of a character";
+  EXPECT_EQ(text_in_json("a\xC3"), "\"a\xEF\xBF\xBD\"") << "cut in the middle of a character";
   EXPECT_EQ(text_in_json(std::string_view("a\0b", 3)), R"("a\u0000b")");
   EXPECT_EQ(text_in_json(std::string(5000, 'x')).size(), 1002U);
 }

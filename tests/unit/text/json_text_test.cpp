@@ -35,8 +35,8 @@ TEST(JsonText, QuotesWhateverItIs) {
                    "ffnet"),
             "\"ge\xC3\xB6"
             "ffnet\"");
-  EXPECT_EQ(quoted("a\xC3"), R"("a?")");
-  EXPECT_EQ(quoted("\xC3\xB6\n\"\xFF"), R"("?????")") << "all that is not plain";
+  EXPECT_EQ(quoted("a\xC3"), "\"a\xEF\xBF\xBD\"");
+  EXPECT_EQ(quoted("\xC3\xB6\n\"\xFF"), "\"\xC3\xB6\\n\\\"\xEF\xBF\xBD\"") << "what is a character stays";
 }
 
 TEST(JsonText, WhatIsNotThereIsNull) {
