@@ -278,7 +278,8 @@ void Site::look_at(const Incoming& message, std::size_t effects_before, bool was
   require(!plainly_stops || requests_.is_stop(message));
   if (requests_.is_stop(message)) {
     require(told.code != "duplicate" && told.code != "forbidden" && told.code != "lease");
-    require(moved || !was_online);
+    // A stop value that is written as an object of another type is refused, as any such value.
+    require(moved || !was_online || (!plainly_stops && told.code == "type"));
   }
 }
 
