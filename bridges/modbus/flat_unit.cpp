@@ -7,6 +7,15 @@
 #include "bridges/modbus/addresses.h"
 
 namespace modbus {
+namespace {
+
+// What is left of `range` behind its first `quantity` addresses.
+Range behind(Range range, std::size_t quantity) {
+  return {.address = static_cast<std::uint16_t>(range.address + quantity),
+          .quantity = static_cast<std::uint16_t>(range.quantity - quantity)};
+}
+
+}  // namespace
 
 std::optional<FlatUnit::Part> FlatUnit::first_part(Range range) const {
   const auto block = std::ranges::find_if(blocks_, [&range](const Block& candidate) {
@@ -52,8 +61,7 @@ std::optional<Exception> FlatUnit::read(const Request& request, canopen::TimePoi
     }
     refused = refused ? refused : failed;
     done += quantity;
-    rest = {.address = static_cast<std::uint16_t>(rest.address + quantity),
-            .quantity = static_cast<std::uint16_t>(rest.quantity - quantity)};
+    rest = behind(rest, quantity);
   }
   return refused;
 }
@@ -66,8 +74,7 @@ void FlatUnit::sign_of_life(const Request& request, const process::Writer& write
         break;
       }
       part->unit->sign_of_life(writer);
-      rest = {.address = static_cast<std::uint16_t>(rest.address + part->range.quantity),
-              .quantity = static_cast<std::uint16_t>(rest.quantity - part->range.quantity)};
+      rest = behind(rest, part->range.quantity);
     }
   }
 }

@@ -32,7 +32,6 @@ class Session {
   /// Pauses before a subscription is tried again double from the one to the other.
   static constexpr canopen::Duration kFirstPause = std::chrono::seconds(1);
   static constexpr canopen::Duration kLongestPause = std::chrono::seconds(5);
-
   /// So often an answer may be missing.
   static constexpr int kTries = 3;
 
