@@ -147,7 +147,7 @@ void Connections::admit(tcp::socket socket) {
   }
   prepare(socket);
   const auto client = clients_.emplace(clients_.end(), std::move(socket), address.to_string(),
-                                       writers_.contains(address), units_, replier_);
+                                       writers_.contains(address), units_, answers_);
   units_.gateway().set_clients(clients_.size());
   ++running_;
   boost::asio::co_spawn(executor_, client->serve(), [this, client](const std::exception_ptr& failure) {

@@ -8,8 +8,8 @@
 #include <list>
 
 #include "bridges/modbus/access_list.h"
+#include "bridges/modbus/answers.h"
 #include "bridges/modbus/client.h"
-#include "bridges/modbus/replier.h"
 #include "bridges/modbus/units.h"
 #include "canopen/clock.h"
 #include "config/model.h"
@@ -51,7 +51,7 @@ class Connections {
   AccessList readers_;
   AccessList writers_;
   Units& units_;
-  Replier replier_;
+  Answers answers_;
   std::list<Listener> listeners_;
   std::list<Client> clients_;
   canopen::Timer idle_;
