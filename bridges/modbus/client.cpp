@@ -32,7 +32,10 @@ Client::Client(tcp::socket socket, std::string address, bool may_write, Units& u
       answers_(answers),
       active_(canopen::Clock::now()) {}
 
-void Client::close() {
+void Client::close(const char* why) {
+  if (ended_ == nullptr) {
+    ended_ = why;
+  }
   boost::system::error_code ignored;  // It is gone either way.
   socket_.shutdown(tcp::socket::shutdown_both, ignored);
   socket_.close(ignored);
@@ -58,6 +61,7 @@ awaitable<void> Client::serve() {
       const std::span<const std::uint8_t> frame = bytes.subspan(used, found.size);
       used += found.size;
       active_ = canopen::Clock::now();
+      half_since_.reset();
       if (begin(frame)) {
         co_await carry_out(unit_of(frame));
       }
@@ -72,11 +76,15 @@ awaitable<void> Client::serve() {
       }
     }
     if (found.framing == Framing::broken) {
+      sent_garbage_ = true;
       co_return;
     }
     std::copy(received_.begin() + static_cast<std::ptrdiff_t>(used),
               received_.begin() + static_cast<std::ptrdiff_t>(filled_), received_.begin());
     filled_ -= used;
+    if (filled_ != 0 && !half_since_) {
+      half_since_ = canopen::Clock::now();
+    }
   }
 }
 

@@ -29,11 +29,18 @@ class Client {
 
   /// Returns when the connection ended: by the client, by close(), or because it sent what is no Modbus.
   boost::asio::awaitable<void> serve();
-  /// Ends the connection; serve() returns soon, a command that was begun is awaited.
-  void close();
+  /// Ends the connection; serve() returns soon, a command that was begun is awaited. `why`: for the log.
+  void close(const char* why);
+  /// After serve(): why it ended; null where the client left.
+  [[nodiscard]] const char* ended() const noexcept { return ended_; }
+  [[nodiscard]] bool sent_garbage() const noexcept { return sent_garbage_; }
 
   /// When it last asked for something or was answered; nothing while a command is carried out for it.
   [[nodiscard]] std::optional<canopen::TimePoint> idle_since() const noexcept;
+  /// Since when the rest of a request is missing.
+  [[nodiscard]] std::optional<canopen::TimePoint> half_since() const noexcept { return half_since_; }
+  [[nodiscard]] const std::string& address() const noexcept { return writer_.address; }
+  [[nodiscard]] bool may_write() const noexcept { return may_write_; }
 
  private:
   /// What is to be answered to the frame at hand.
@@ -62,7 +69,10 @@ class Client {
   Answer answer_;
   Snapshot snapshot_;
   canopen::TimePoint active_;
+  std::optional<canopen::TimePoint> half_since_;
   bool commanding_ = false;
+  bool sent_garbage_ = false;
+  const char* ended_ = nullptr;
 };
 
 }  // namespace modbus
