@@ -9,6 +9,7 @@
 #include "bridges/mqtt/publisher.h"
 #include "daemon/control/plant_service.h"
 #include "daemon/journal_place.h"
+#include "daemon/log.h"
 #include "daemon/program_health.h"
 
 namespace gateway {
@@ -70,7 +71,11 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     plant_.add(*kept_alarms_);
   }
   if (model.modbus) {
-    modbus_ = std::make_unique<modbus::Server>(executor, plant_, *model.modbus);
+    modbus_ = std::make_unique<modbus::Server>(
+        executor, plant_, *model.modbus,
+        modbus::Notices{.info = [](const std::string& text) { spdlog::info(text); },
+                        .warning = [](const std::string& text) { spdlog::warn(text); }});
+    modbus_->count_lost_messages_by(&Log::dropped);
     plant_.add(*modbus_);
   }
   if (model.mqtt) {

@@ -24,15 +24,18 @@ constexpr std::uint8_t kExceptionBit = 0x80;
 
 }  // namespace
 
-Client::Client(tcp::socket socket, std::string address, bool may_write, Units& units, Replier& replier)
+Client::Client(tcp::socket socket, std::string address, bool may_write, Units& units, Answers& answers)
     : socket_(std::move(socket)),
       writer_{.way = process::Writer::Way::modbus, .address = std::move(address)},
       may_write_(may_write),
       units_(units),
-      replier_(replier),
+      answers_(answers),
       active_(canopen::Clock::now()) {}
 
-void Client::close() {
+void Client::close(const char* why) {
+  if (ended_ == nullptr) {
+    ended_ = why;
+  }
   boost::system::error_code ignored;  // It is gone either way.
   socket_.shutdown(tcp::socket::shutdown_both, ignored);
   socket_.close(ignored);
@@ -54,32 +57,34 @@ awaitable<void> Client::serve() {
     const std::span<const std::uint8_t> bytes(received_.data(), filled_);
     std::size_t used = 0;
     FoundFrame found = find_frame(bytes);
-    for (; found.framing == Framing::complete && socket_.is_open(); found = find_frame(bytes.subspan(used))) {
+    for (; found.framing == Framing::complete; found = find_frame(bytes.subspan(used))) {
       const std::span<const std::uint8_t> frame = bytes.subspan(used, found.size);
       used += found.size;
       active_ = canopen::Clock::now();
+      half_since_.reset();
       if (begin(frame)) {
         co_await carry_out(unit_of(frame));
       }
-      if (!answer_.pdu.empty()) {
-        co_await write_worded(frame);
-        continue;
+      const std::span<const std::uint8_t> answer = word_answer(frame);
+      if (answer.empty()) {
+        co_return;
       }
-      Sent sent = send_answer(frame);
-      while (sent == Sent::would_block) {
-        co_await socket_.async_wait(tcp::socket::wait_write, redirect_error(use_awaitable, failed));
-        sent = failed ? Sent::failed : send_answer(frame);
-      }
-      if (sent == Sent::failed) {
+      const auto worded = boost::asio::buffer(answer.data(), answer.size());
+      co_await boost::asio::async_write(socket_, worded, redirect_error(use_awaitable, failed));
+      if (failed) {
         co_return;
       }
     }
     if (found.framing == Framing::broken) {
+      sent_garbage_ = true;
       co_return;
     }
     std::copy(received_.begin() + static_cast<std::ptrdiff_t>(used),
               received_.begin() + static_cast<std::ptrdiff_t>(filled_), received_.begin());
     filled_ -= used;
+    if (filled_ != 0 && !half_since_) {
+      half_since_ = canopen::Clock::now();
+    }
   }
 }
 
@@ -147,16 +152,6 @@ awaitable<void> Client::carry_out(std::uint8_t unit) {
   }
 }
 
-awaitable<void> Client::write_worded(std::span<const std::uint8_t> frame) {
-  boost::system::error_code failed;
-  const auto worded = frame_answer(frame, answer_.pdu, worded_);
-  const auto bytes = boost::asio::buffer(worded.data(), worded.size());
-  co_await boost::asio::async_write(socket_, bytes, redirect_error(use_awaitable, failed));
-  if (failed) {
-    close();
-  }
-}
-
 void Client::refuse(std::uint8_t function, Exception exception) {
   answer_.exception = exception;
   if (function >= kExceptionBit) {
@@ -164,13 +159,12 @@ void Client::refuse(std::uint8_t function, Exception exception) {
   }
 }
 
-Sent Client::send_answer(std::span<const std::uint8_t> frame) {
-  if (!socket_.is_open()) {
-    return Sent::failed;
+std::span<const std::uint8_t> Client::word_answer(std::span<const std::uint8_t> frame) {
+  if (!answer_.pdu.empty()) {
+    return frame_answer(frame, answer_.pdu, worded_);
   }
-  const int socket = socket_.native_handle();
-  return answer_.exception ? replier_.refuse(socket, frame, *answer_.exception)
-                           : replier_.answer(socket, frame, answer_.request, snapshot_);
+  return answer_.exception ? answers_.refuse(frame, *answer_.exception, worded_)
+                           : answers_.answer(frame, answer_.request, snapshot_, worded_);
 }
 
 }  // namespace modbus

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "bridges/modbus/answers.h"
 #include "bridges/modbus/exception.h"
 #include "bridges/modbus/mbap.h"
-#include "bridges/modbus/replier.h"
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/snapshot.h"
 #include "bridges/modbus/units.h"
@@ -24,16 +24,23 @@ namespace modbus {
 /// One connection: its requests are carried out strictly in order, one at a time. All its memory is in here.
 class Client {
  public:
-  /// `units` and `replier` outlive the client.
-  Client(boost::asio::ip::tcp::socket socket, std::string address, bool may_write, Units& units, Replier& replier);
+  /// `units` and `answers` outlive the client.
+  Client(boost::asio::ip::tcp::socket socket, std::string address, bool may_write, Units& units, Answers& answers);
 
   /// Returns when the connection ended: by the client, by close(), or because it sent what is no Modbus.
   boost::asio::awaitable<void> serve();
-  /// Ends the connection; serve() returns soon, a command that was begun is awaited.
-  void close();
+  /// Ends the connection; serve() returns soon, a command that was begun is awaited. `why`: for the log.
+  void close(const char* why);
+  /// After serve(): why it ended; null where the client left.
+  [[nodiscard]] const char* ended() const noexcept { return ended_; }
+  [[nodiscard]] bool sent_garbage() const noexcept { return sent_garbage_; }
 
   /// When it last asked for something or was answered; nothing while a command is carried out for it.
   [[nodiscard]] std::optional<canopen::TimePoint> idle_since() const noexcept;
+  /// Since when the rest of a request is missing.
+  [[nodiscard]] std::optional<canopen::TimePoint> half_since() const noexcept { return half_since_; }
+  [[nodiscard]] const std::string& address() const noexcept { return writer_.address; }
+  [[nodiscard]] bool may_write() const noexcept { return may_write_; }
 
  private:
   /// What is to be answered to the frame at hand.
@@ -46,16 +53,15 @@ class Client {
   /// Answers reads at once; true: something remains to be carried out.
   [[nodiscard]] bool begin(std::span<const std::uint8_t> frame);
   boost::asio::awaitable<void> carry_out(std::uint8_t unit);
-  /// Sends Answer::pdu; closes a connection that takes it no more.
-  boost::asio::awaitable<void> write_worded(std::span<const std::uint8_t> frame);
+  /// The whole answer to `frame`, in worded_.
+  [[nodiscard]] std::span<const std::uint8_t> word_answer(std::span<const std::uint8_t> frame);
   void refuse(std::uint8_t function, Exception exception);
-  [[nodiscard]] Sent send_answer(std::span<const std::uint8_t> frame);
 
   boost::asio::ip::tcp::socket socket_;
   process::Writer writer_;
   bool may_write_;
   Units& units_;
-  Replier& replier_;
+  Answers& answers_;
 
   std::array<std::uint8_t, kMaxFrame> received_{};
   std::array<std::uint8_t, kMaxFrame> worded_{};
@@ -63,7 +69,10 @@ class Client {
   Answer answer_;
   Snapshot snapshot_;
   canopen::TimePoint active_;
+  std::optional<canopen::TimePoint> half_since_;
   bool commanding_ = false;
+  bool sent_garbage_ = false;
+  const char* ended_ = nullptr;
 };
 
 }  // namespace modbus

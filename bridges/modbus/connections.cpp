@@ -11,8 +11,11 @@
 #include <boost/system/error_code.hpp>
 #include <chrono>
 #include <exception>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "bridges/modbus/admission.h"
 #include "bridges/modbus/listen.h"
 
 namespace modbus {
@@ -26,6 +29,13 @@ using boost::system::error_code;
 
 // After a failed accept (no descriptor left), so that the loop does not spin on it.
 constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
+
+// The rest of a request comes at once, or never.
+constexpr canopen::Duration kHalfRequest = std::chrono::seconds(5);
+constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
+
+// Keepalive does not probe while an answer waits for its acknowledgement.
+constexpr int kUnacknowledgedMilliseconds = 30'000;
 
 // A client whose cable was pulled is noticed after one minute, not after hours.
 constexpr int kKeepaliveIdleSeconds = 30;
@@ -43,6 +53,7 @@ void prepare(tcp::socket& socket) {
   set_integer(socket, IPPROTO_TCP, TCP_KEEPIDLE, kKeepaliveIdleSeconds);
   set_integer(socket, IPPROTO_TCP, TCP_KEEPINTVL, kKeepaliveIntervalSeconds);
   set_integer(socket, IPPROTO_TCP, TCP_KEEPCNT, kKeepaliveProbes);
+  set_integer(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnacknowledgedMilliseconds);
 }
 
 }  // namespace
@@ -50,13 +61,15 @@ void prepare(tcp::socket& socket) {
 Connections::Listener::Listener(tcp::acceptor opened, std::size_t index)
     : acceptor(std::move(opened)), listen_index(index), pause(acceptor.get_executor()) {}
 
-Connections::Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units)
+Connections::Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units,
+                         Notices notices)
     : executor_(std::move(executor)),
       settings_(settings),
       readers_(settings.read_from, "[modbus] read_from"),
       writers_(settings.write_from, "[modbus] write_from"),
       units_(units),
-      idle_(executor_),
+      log_(std::move(notices)),
+      housekeeping_(executor_),
       all_ended_(executor_) {}
 
 void Connections::start() {
@@ -70,9 +83,10 @@ void Connections::start() {
   for (Listener& listener : listeners_) {
     spawn(accept_from(listener));
   }
-  if (settings_.idle_timeout > canopen::Duration::zero()) {
-    spawn(close_idle_clients());
+  for (const config::Endpoint& endpoint : settings_.listen) {
+    log_.info(to_string(endpoint), "listening");
   }
+  spawn(close_silent_clients());
 }
 
 void Connections::close() {
@@ -83,9 +97,9 @@ void Connections::close() {
     listener.pause.cancel();
   }
   for (Client& client : clients_) {
-    client.close();
+    client.close("the gateway ends");
   }
-  idle_.cancel();
+  housekeeping_.cancel();
 }
 
 awaitable<void> Connections::stop() {
@@ -124,34 +138,63 @@ awaitable<void> Connections::accept_from(Listener& listener) {
     error_code failed;
     tcp::socket socket = co_await listener.acceptor.async_accept(redirect_error(use_awaitable, failed));
     if (!failed) {
-      admit(std::move(socket));
+      take(std::move(socket));
     } else if (!stopping_ && failed != boost::asio::error::connection_aborted) {
+      log_.warn(to_string(settings_.listen[listener.listen_index]), "cannot take a connection: " + failed.message());
       listener.pause.expires_after(kAcceptPause);
       co_await listener.pause.async_wait(redirect_error(use_awaitable, failed));
     }
   }
 }
 
-void Connections::admit(tcp::socket socket) {
+void Connections::take(tcp::socket socket) {
   error_code failed;
   const tcp::endpoint remote = socket.remote_endpoint(failed);
   if (failed || stopping_) {
     return;
   }
   const boost::asio::ip::address address = plain_address(remote.address());
-  if (!readers_.contains(address) || clients_.size() >= settings_.max_clients) {
+  if (const char* const why = refusal(address)) {
     // Accepted and closed at once: the client learns it now and does not wait in the backlog until its own timeout.
-    ++refused_;
+    units_.gateway().set_refused(++refused_);
+    log_.warn(address.to_string(), std::string("refused: ") + why);
     socket.shutdown(tcp::socket::shutdown_both, failed);
     return;
   }
   prepare(socket);
+  serve(std::move(socket), address);
+}
+
+const char* Connections::refusal(const boost::asio::ip::address& address) {
+  if (!readers_.contains(address)) {
+    return "[modbus] read_from does not name it";
+  }
+  // Those that are on their way out already take no room.
+  std::vector<Caller> callers;
+  std::vector<Client*> clients;
+  for (Client& client : clients_) {
+    if (client.ended() == nullptr) {
+      callers.push_back({boost::asio::ip::make_address(client.address()), client.may_write(), client.idle_since()});
+      clients.push_back(&client);
+    }
+  }
+  const Admission admission = admit({.address = address, .may_write = writers_.contains(address)}, callers,
+                                    settings_.max_clients, canopen::Clock::now());
+  if (admission.instead_of) {
+    clients[*admission.instead_of]->close("made room for a client of write_from");
+  }
+  return admission.refusal;
+}
+
+void Connections::serve(tcp::socket socket, const boost::asio::ip::address& address) {
   const auto client = clients_.emplace(clients_.end(), std::move(socket), address.to_string(),
-                                       writers_.contains(address), units_, replier_);
+                                       writers_.contains(address), units_, answers_);
+  log_.info(client->address(), client->may_write() ? "connected" : "connected, may read only");
   units_.gateway().set_clients(clients_.size());
   ++running_;
   boost::asio::co_spawn(executor_, client->serve(), [this, client](const std::exception_ptr& failure) {
-    client->close();
+    tell_end(*client);
+    client->close("served");
     clients_.erase(client);
     units_.gateway().set_clients(clients_.size());
     on_end();
@@ -161,25 +204,33 @@ void Connections::admit(tcp::socket socket) {
   });
 }
 
-awaitable<void> Connections::close_idle_clients() {
+void Connections::tell_end(const Client& client) {
+  if (client.sent_garbage()) {
+    log_.warn(client.address(), "disconnected: what it sent is no Modbus TCP");
+  } else if (client.ended() != nullptr) {
+    log_.info(client.address(), std::string("disconnected: ") + client.ended());
+  } else {
+    log_.info(client.address(), "has left");
+  }
+}
+
+awaitable<void> Connections::close_silent_clients() {
   while (!stopping_) {
     const canopen::TimePoint now = canopen::Clock::now();
-    canopen::TimePoint next = now + settings_.idle_timeout;
+    const bool may_be_idle = settings_.idle_timeout == canopen::Duration::zero();
     for (Client& client : clients_) {
-      const auto since = client.idle_since();
-      if (!since) {
-        continue;
-      }
-      const canopen::TimePoint end = *since + settings_.idle_timeout;
-      if (end <= now) {
-        client.close();
-      } else {
-        next = std::min(next, end);
+      const auto idle = client.idle_since();
+      const auto half = client.half_since();
+      if (idle && half && now - *half >= kHalfRequest) {
+        client.close("the rest of its request did not come");
+      } else if (idle && !may_be_idle && now - *idle >= settings_.idle_timeout) {
+        client.close("idle");
       }
     }
+    log_.sweep();
     error_code ignored;
-    idle_.expires_at(next);
-    co_await idle_.async_wait(redirect_error(use_awaitable, ignored));
+    housekeeping_.expires_after(kHousekeeping);
+    co_await housekeeping_.async_wait(redirect_error(use_awaitable, ignored));
   }
 }
 

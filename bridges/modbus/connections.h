@@ -8,8 +8,9 @@
 #include <list>
 
 #include "bridges/modbus/access_list.h"
+#include "bridges/modbus/answers.h"
 #include "bridges/modbus/client.h"
-#include "bridges/modbus/replier.h"
+#include "bridges/modbus/connection_log.h"
 #include "bridges/modbus/units.h"
 #include "canopen/clock.h"
 #include "config/model.h"
@@ -20,7 +21,7 @@ namespace modbus {
 class Connections {
  public:
   /// `units` outlives the connections. Throws std::runtime_error for address ranges that are none.
-  Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units);
+  Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units, Notices notices);
 
   /// Throws std::runtime_error; then nothing was started.
   void start();
@@ -30,6 +31,7 @@ class Connections {
 
   [[nodiscard]] std::uint16_t port(std::size_t listen_index) const;
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
+  /// Closed at once since the start.
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
  private:
@@ -41,8 +43,12 @@ class Connections {
   };
 
   boost::asio::awaitable<void> accept_from(Listener& listener);
-  void admit(boost::asio::ip::tcp::socket socket);
-  boost::asio::awaitable<void> close_idle_clients();
+  void take(boost::asio::ip::tcp::socket socket);
+  /// Nothing: it may stay; whoever makes room for it is gone then. Else why not.
+  [[nodiscard]] const char* refusal(const boost::asio::ip::address& address);
+  void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
+  void tell_end(const Client& client);
+  boost::asio::awaitable<void> close_silent_clients();
   void spawn(boost::asio::awaitable<void> work);
   void on_end();
 
@@ -51,10 +57,11 @@ class Connections {
   AccessList readers_;
   AccessList writers_;
   Units& units_;
-  Replier replier_;
+  Answers answers_;
   std::list<Listener> listeners_;
   std::list<Client> clients_;
-  canopen::Timer idle_;
+  ConnectionLog log_;
+  canopen::Timer housekeeping_;
   canopen::Timer all_ended_;
   std::size_t running_ = 0;  ///< Coroutines.
   std::uint64_t refused_ = 0;

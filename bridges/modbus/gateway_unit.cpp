@@ -96,6 +96,10 @@ std::uint16_t GatewayUnit::general(std::uint16_t address, canopen::TimePoint now
       return mqtt_connected_ ? 1 : 0;
     case 5:
       return static_cast<std::uint16_t>(clients_);
+    case 6:
+      return static_cast<std::uint16_t>(refused_);
+    case 7:
+      return lost_messages_ ? static_cast<std::uint16_t>(lost_messages_()) : std::uint16_t{0};
     default:
       return 0;
   }

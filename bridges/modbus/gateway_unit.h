@@ -4,8 +4,10 @@
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "bridges/modbus/addresses.h"
 #include "bridges/modbus/exception.h"
@@ -23,6 +25,9 @@ class GatewayUnit {
 
   void set_mqtt_connected(bool connected) noexcept { mqtt_connected_ = connected; }
   void set_clients(std::size_t clients) noexcept { clients_ = clients; }
+  void set_refused(std::uint64_t refused) noexcept { refused_ = refused; }
+  /// Register 7: `count` is asked at every read.
+  void count_lost_messages_by(std::function<std::uint64_t()> count) { lost_messages_ = std::move(count); }
 
   /// `out` holds range.quantity.
   [[nodiscard]] std::optional<Exception> read_registers(Range range, canopen::TimePoint now,
@@ -45,6 +50,8 @@ class GatewayUnit {
   canopen::TimePoint started_;
   bool mqtt_connected_ = false;
   std::size_t clients_ = 0;
+  std::uint64_t refused_ = 0;
+  std::function<std::uint64_t()> lost_messages_;
 };
 
 }  // namespace modbus

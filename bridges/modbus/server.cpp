@@ -2,55 +2,18 @@
 
 #include <utility>
 
-#include "bridges/modbus/connections.h"
-#include "bridges/modbus/units.h"
-
 namespace modbus {
 
-class Server::Body {
- public:
-  Body(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings)
-      : units(plant, settings), connections(std::move(executor), settings, units) {}
+Server::Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings,
+               Notices notices)
+    : units_(plant, settings), connections_(std::move(executor), settings, units_, std::move(notices)) {}
 
-  Units units;
-  Connections connections;
-};
-
-Server::Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings)
-    : body_(std::make_unique<Body>(std::move(executor), plant, settings)) {}
-
-Server::~Server() = default;
-
-void Server::start() {
-  body_->connections.start();
-}
-
-void Server::close() {
-  body_->connections.close();
-}
-
-boost::asio::awaitable<void> Server::stop() {
-  co_await body_->connections.stop();
-}
-
-std::uint16_t Server::port(std::size_t listen_index) const {
-  return body_->connections.port(listen_index);
-}
-
-std::size_t Server::clients() const noexcept {
-  return body_->connections.clients();
-}
-
-std::uint64_t Server::refused() const noexcept {
-  return body_->connections.refused();
-}
-
-void Server::set_mqtt_connected(bool connected) noexcept {
-  body_->units.gateway().set_mqtt_connected(connected);
+void Server::count_lost_messages_by(std::function<std::uint64_t()> count) {
+  units_.gateway().count_lost_messages_by(std::move(count));
 }
 
 void Server::on_values(const process::Drive& drive, std::span<const process::SignalId> signals) {
-  if (DriveUnit* const unit = body_->units.of_drive(drive.index())) {
+  if (DriveUnit* const unit = units_.of_drive(drive.index())) {
     unit->on_values(signals);
   }
 }

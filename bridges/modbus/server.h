@@ -4,9 +4,12 @@
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <span>
 
+#include "bridges/modbus/connection_log.h"
+#include "bridges/modbus/connections.h"
+#include "bridges/modbus/units.h"
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "config/model.h"
@@ -19,30 +22,33 @@ class Server final : public process::Observer {
  public:
   /// `plant` and `settings` outlive the server. Whoever creates it adds it to the plant's observers before the plant
   /// starts. Throws std::runtime_error for address ranges that are none.
-  Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings);
+  Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings,
+         Notices notices = {});
   /// After stop(), or after the loop has ended.
-  ~Server();
+  ~Server() = default;
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
   /// Opens all listeners. Throws std::runtime_error that names the endpoint, the cause and the remedy; then nothing
   /// was started.
-  void start();
+  void start() { connections_.start(); }
   /// Ends listeners and connections.
-  void close();
+  void close() { connections_.close(); }
   /// The same; returns when no command of a client is in progress any more, at the latest after the longest deadline of
   /// a command, or soon after the plant was stopped.
-  boost::asio::awaitable<void> stop();
+  boost::asio::awaitable<void> stop() { return connections_.stop(); }
 
   /// The port that config::Modbus::listen[listen_index] got, where the configuration says 0. 0 before start().
-  [[nodiscard]] std::uint16_t port(std::size_t listen_index) const;
+  [[nodiscard]] std::uint16_t port(std::size_t listen_index) const { return connections_.port(listen_index); }
   /// Connected now.
-  [[nodiscard]] std::size_t clients() const noexcept;
-  /// Connections closed at once since the start: too many clients, or not from `read_from`.
-  [[nodiscard]] std::uint64_t refused() const noexcept;
+  [[nodiscard]] std::size_t clients() const noexcept { return connections_.clients(); }
+  /// Connections closed at once since the start: not from `read_from`, or no room for them.
+  [[nodiscard]] std::uint64_t refused() const noexcept { return connections_.refused(); }
 
   /// Register 4 of the gateway unit.
-  void set_mqtt_connected(bool connected) noexcept;
+  void set_mqtt_connected(bool connected) noexcept { units_.gateway().set_mqtt_connected(connected); }
+  /// Register 7 of the gateway unit: the messages that the log lost. `count` is asked at every read.
+  void count_lost_messages_by(std::function<std::uint64_t()> count);
 
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;
@@ -52,8 +58,8 @@ class Server final : public process::Observer {
   void on_bus(std::size_t bus) override;
 
  private:
-  class Body;
-  std::unique_ptr<Body> body_;
+  Units units_;
+  Connections connections_;
 };
 
 }  // namespace modbus

@@ -25,12 +25,18 @@ std::size_t size_of(const Bytes& input) {
 
 }  // namespace
 
-TcpClient::TcpClient(std::uint16_t port, const std::string& host, Buffers buffers)
+TcpClient::TcpClient(std::uint16_t port, const std::string& host, Buffers buffers, const std::string& from)
     : socket_(::socket(host.find(':') == std::string::npos ? AF_INET : AF_INET6, SOCK_STREAM, 0)) {
   if (buffers == Buffers::small) {
     const int bytes = 4096;
     ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
     ::setsockopt(socket_, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
+  }
+  if (!from.empty()) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from.c_str(), &address.sin_addr);
+    ::bind(socket_, std::bit_cast<const sockaddr*>(&address), sizeof address);
   }
   if (host.find(':') == std::string::npos) {
     sockaddr_in address{};

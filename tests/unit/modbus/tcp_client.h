@@ -14,8 +14,9 @@ class TcpClient {
  public:
   enum class Buffers : std::uint8_t { usual, small };
 
-  /// Numeric IPv4 or IPv6 address. Connecting on this machine succeeds before anybody accepts.
-  explicit TcpClient(std::uint16_t port, const std::string& host = "127.0.0.1", Buffers buffers = Buffers::usual);
+  /// Numeric IPv4 or IPv6 addresses; `from`: IPv4 only. Connecting on this machine succeeds before anybody accepts.
+  explicit TcpClient(std::uint16_t port, const std::string& host = "127.0.0.1", Buffers buffers = Buffers::usual,
+                     const std::string& from = {});
   ~TcpClient();
   TcpClient(const TcpClient&) = delete;
   TcpClient& operator=(const TcpClient&) = delete;
