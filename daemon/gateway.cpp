@@ -1,6 +1,7 @@
 #include "daemon/gateway.h"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <string>
 #include <utility>
@@ -40,6 +41,15 @@ void log_notice(mqtt::Level level, const std::string& text) {
     case mqtt::Level::error:
       spdlog::error(text);
       break;
+  }
+}
+
+void close_unused(std::span<const int> passed) {
+  if (!passed.empty()) {
+    spdlog::warn("the service manager passed sockets, but there is no [modbus], so they are closed");
+  }
+  for (const int descriptor : passed) {
+    ::close(descriptor);
   }
 }
 
@@ -121,7 +131,7 @@ std::vector<process::Plant::BusPort> Gateway::ports(const std::vector<BusInUse>&
   return ports;
 }
 
-void Gateway::start() {
+void Gateway::start(std::span<const int> passed) {
   if (kept_alarms_) {
     kept_alarms_->restore();
   }
@@ -129,7 +139,9 @@ void Gateway::start() {
     journal_->start();
   }
   if (modbus_) {
-    modbus_->start();
+    modbus_->start(passed);
+  } else {
+    close_unused(passed);
   }
   if (mqtt_) {
     mqtt_->start();

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,9 +35,9 @@ class Gateway {
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
 
-  /// Opens the listeners and starts everything; waits for no interface, broker or drive.
-  /// Throws std::runtime_error where a listener cannot be opened.
-  void start();
+  /// Starts everything; waits for no interface, address, broker or drive. `passed`: listening sockets of the service
+  /// manager, by descriptor, which are owned from here on.
+  void start(std::span<const int> passed = {});
   /// The orderly end: says so on MQTT, answers what is pending, sends nothing to drives.
   boost::asio::awaitable<void> stop();
 

@@ -13,6 +13,8 @@
 #include "daemon/commands.h"
 #include "daemon/gateway.h"
 #include "daemon/log.h"
+#include "daemon/log_losses.h"
+#include "daemon/passed_sockets.h"
 #include "daemon/stop_signal.h"
 #include "daemon/supervision.h"
 
@@ -70,7 +72,10 @@ int run(const Options& options) {
         loop.get_executor(), bus.interface,
         [name = bus.name](const std::string& text) { spdlog::warn("bus {}: {}", name, text); }, bus.echo);
   });
-  gateway.start();
+  gateway.start(passed_sockets());
+  const LogLosses losses(loop.get_executor(), &Log::dropped, [](std::size_t lost, std::size_t all) {
+    spdlog::warn("{} log messages were lost, {} since the start: whoever takes them was too slow", lost, all);
+  });
   Supervision supervision(loop.get_executor(), gateway.plant(), [&gateway] { return gateway.alive(); });
   supervision.ready();
   spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),

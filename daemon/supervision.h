@@ -16,7 +16,7 @@ class Supervision {
  public:
   Supervision(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::function<bool()> alive);
 
-  /// After configuration and listeners; never waits for interface, broker or drives.
+  /// After the configuration; never waits for interface, listen address, broker or drives.
   void ready();
   void stopping();
 

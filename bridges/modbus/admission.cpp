@@ -28,20 +28,20 @@ Admission admit(const Caller& caller, std::span<const Caller> clients, std::size
                 canopen::TimePoint now) {
   const auto same = static_cast<std::size_t>(std::ranges::count(clients, caller.address, &Caller::address));
   if (max_clients > 1 && same >= (max_clients + 1) / 2) {
-    return {.refusal = "this address has half of max_clients already"};
+    return {.refusal = "refused: this address has half of max_clients already"};
   }
   if (clients.size() < max_clients) {
     return {};
   }
   if (!caller.may_write) {
-    return {.refusal = "max_clients are connected"};
+    return {.refusal = "refused: max_clients are connected"};
   }
   std::optional<std::size_t> leaves = most_silent(clients, false, now);
   if (!leaves) {
     leaves = most_silent(clients, true, now - kForgotten);
   }
   if (!leaves) {
-    return {.refusal = "max_clients are connected, and all of them are at work"};
+    return {.refusal = "refused: max_clients are connected, and all of them are at work"};
   }
   return {.instead_of = leaves};
 }

@@ -18,7 +18,7 @@ struct Caller {
 };
 
 struct Admission {
-  const char* refusal = nullptr;            ///< Why not; null: it may stay.
+  const char* refusal = nullptr;            ///< Why not, for the log; null: it may stay.
   std::optional<std::size_t> instead_of{};  ///< The client, by its position, that makes room.
 };
 

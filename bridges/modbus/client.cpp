@@ -24,9 +24,10 @@ constexpr std::uint8_t kExceptionBit = 0x80;
 
 }  // namespace
 
-Client::Client(tcp::socket socket, std::string address, bool may_write, Units& units, Answers& answers)
+Client::Client(tcp::socket socket, const boost::asio::ip::address& from, bool may_write, Units& units, Answers& answers)
     : socket_(std::move(socket)),
-      writer_{.way = process::Writer::Way::modbus, .address = std::move(address)},
+      from_(from),
+      writer_{.way = process::Writer::Way::modbus, .address = from.to_string()},
       may_write_(may_write),
       units_(units),
       answers_(answers),
@@ -42,7 +43,8 @@ void Client::close(const char* why) {
 }
 
 std::optional<canopen::TimePoint> Client::idle_since() const noexcept {
-  return commanding_ ? std::nullopt : std::optional(active_);
+  // What takes long for a client that may not write is no command, but a read of an object.
+  return commanding_ && may_write_ ? std::nullopt : std::optional(active_);
 }
 
 awaitable<void> Client::serve() {
@@ -51,6 +53,7 @@ awaitable<void> Client::serve() {
     const auto room = boost::asio::buffer(received_.data() + filled_, received_.size() - filled_);
     const std::size_t count = co_await socket_.async_read_some(room, redirect_error(use_awaitable, failed));
     if (failed) {
+      note_loss(failed);
       co_return;
     }
     filled_ += count;
@@ -70,8 +73,10 @@ awaitable<void> Client::serve() {
         co_return;
       }
       const auto worded = boost::asio::buffer(answer.data(), answer.size());
+      slow_reader_.on_answer();
       co_await boost::asio::async_write(socket_, worded, redirect_error(use_awaitable, failed));
       if (failed) {
+        note_loss(failed);
         co_return;
       }
     }
@@ -85,6 +90,12 @@ awaitable<void> Client::serve() {
     if (filled_ != 0 && !half_since_) {
       half_since_ = canopen::Clock::now();
     }
+  }
+}
+
+void Client::note_loss(const boost::system::error_code& failed) noexcept {
+  if (ended_ == nullptr && failed == boost::asio::error::timed_out) {
+    ended_ = "lost: nothing comes back from it any more";
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/system/error_code.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "bridges/modbus/mbap.h"
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/snapshot.h"
+#include "bridges/modbus/tcp_options.h"
 #include "bridges/modbus/units.h"
 #include "bridges/process/writer.h"
 #include "canopen/clock.h"
@@ -25,7 +27,8 @@ namespace modbus {
 class Client {
  public:
   /// `units` and `answers` outlive the client.
-  Client(boost::asio::ip::tcp::socket socket, std::string address, bool may_write, Units& units, Answers& answers);
+  Client(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& from, bool may_write, Units& units,
+         Answers& answers);
 
   /// Returns when the connection ended: by the client, by close(), or because it sent what is no Modbus.
   boost::asio::awaitable<void> serve();
@@ -35,10 +38,14 @@ class Client {
   [[nodiscard]] const char* ended() const noexcept { return ended_; }
   [[nodiscard]] bool sent_garbage() const noexcept { return sent_garbage_; }
 
-  /// When it last asked for something or was answered; nothing while a command is carried out for it.
+  /// When it last asked for something or was answered; nothing while a command is carried out for it. One that does
+  /// not read its answer was silent since it asked.
   [[nodiscard]] std::optional<canopen::TimePoint> idle_since() const noexcept;
   /// Since when the rest of a request is missing.
   [[nodiscard]] std::optional<canopen::TimePoint> half_since() const noexcept { return half_since_; }
+  /// To be called each second.
+  void look_after_slow_reader() { slow_reader_.look(socket_); }
+  [[nodiscard]] const boost::asio::ip::address& from() const noexcept { return from_; }
   [[nodiscard]] const std::string& address() const noexcept { return writer_.address; }
   [[nodiscard]] bool may_write() const noexcept { return may_write_; }
 
@@ -55,9 +62,12 @@ class Client {
   boost::asio::awaitable<void> carry_out(std::uint8_t unit);
   /// The whole answer to `frame`, in worded_.
   [[nodiscard]] std::span<const std::uint8_t> word_answer(std::span<const std::uint8_t> frame);
+  void note_loss(const boost::system::error_code& failed) noexcept;
   void refuse(std::uint8_t function, Exception exception);
 
   boost::asio::ip::tcp::socket socket_;
+  SlowReader slow_reader_;
+  boost::asio::ip::address from_;
   process::Writer writer_;
   bool may_write_;
   Units& units_;

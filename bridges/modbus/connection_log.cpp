@@ -9,27 +9,29 @@ constexpr canopen::Duration kOnceIn = std::chrono::minutes(1);
 // Of so many addresses and things a minute is told; of what comes beyond, only that it came.
 constexpr std::size_t kMaxLines = 256;
 
-std::string line_of(const std::string& address, const std::string& what) {
-  return "Modbus: " + address + ": " + what;
+std::string line_of(std::string_view address, std::string_view what) {
+  std::string line = "Modbus: ";
+  return line.append(address).append(": ").append(what);
 }
 
 }  // namespace
 
-void ConnectionLog::tell(const std::string& address, const std::string& what, const Sink& sink) {
+void ConnectionLog::tell(std::string_view address, std::string_view what, const Sink& sink) {
   if (!sink) {
     return;
   }
-  sweep();
-  std::pair<std::string, std::string> key(address, what);
-  if (lines_.size() >= kMaxLines && !lines_.contains(key)) {
+  KeyView key(address, what);
+  auto line = lines_.find(key);
+  if (line == lines_.end() && lines_.size() >= kMaxLines) {
     key = {"further addresses", "more than the log tells of in a minute"};
+    line = lines_.find(key);
   }
-  const auto [line, is_new] = lines_.try_emplace(key, Line{.told = canopen::Clock::now(), .untold = 0, .sink = &sink});
-  if (is_new) {
-    sink(line_of(key.first, key.second));
-  } else {
+  if (line != lines_.end()) {
     ++line->second.untold;
+    return;
   }
+  lines_.emplace(key, Line{.told = canopen::Clock::now(), .untold = 0, .sink = &sink});
+  sink(line_of(key.first, key.second));
 }
 
 void ConnectionLog::sweep() {

@@ -1,22 +1,20 @@
 #include "bridges/modbus/connections.h"
 
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <sys/socket.h>
-
-#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
 #include <exception>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bridges/modbus/admission.h"
-#include "bridges/modbus/listen.h"
+#include "bridges/modbus/passed_sockets.h"
+#include "bridges/modbus/tcp_options.h"
 
 namespace modbus {
 namespace {
@@ -27,39 +25,11 @@ using boost::asio::use_awaitable;
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 
-// After a failed accept (no descriptor left), so that the loop does not spin on it.
-constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
-
 // The rest of a request comes at once, or never.
 constexpr canopen::Duration kHalfRequest = std::chrono::seconds(5);
 constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
 
-// Keepalive does not probe while an answer waits for its acknowledgement.
-constexpr int kUnacknowledgedMilliseconds = 30'000;
-
-// A client whose cable was pulled is noticed after one minute, not after hours.
-constexpr int kKeepaliveIdleSeconds = 30;
-constexpr int kKeepaliveIntervalSeconds = 10;
-constexpr int kKeepaliveProbes = 3;
-
-void set_integer(tcp::socket& socket, int level, int option, int value) {
-  // Where the kernel refuses one of these the connection works all the same.
-  ::setsockopt(socket.native_handle(), level, option, &value, sizeof value);
-}
-
-void prepare(tcp::socket& socket) {
-  set_integer(socket, IPPROTO_TCP, TCP_NODELAY, 1);
-  set_integer(socket, SOL_SOCKET, SO_KEEPALIVE, 1);
-  set_integer(socket, IPPROTO_TCP, TCP_KEEPIDLE, kKeepaliveIdleSeconds);
-  set_integer(socket, IPPROTO_TCP, TCP_KEEPINTVL, kKeepaliveIntervalSeconds);
-  set_integer(socket, IPPROTO_TCP, TCP_KEEPCNT, kKeepaliveProbes);
-  set_integer(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnacknowledgedMilliseconds);
-}
-
 }  // namespace
-
-Connections::Listener::Listener(tcp::acceptor opened, std::size_t index)
-    : acceptor(std::move(opened)), listen_index(index), pause(acceptor.get_executor()) {}
 
 Connections::Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units,
                          Notices notices)
@@ -69,35 +39,33 @@ Connections::Connections(boost::asio::any_io_executor executor, const config::Mo
       writers_(settings.write_from, "[modbus] write_from"),
       units_(units),
       log_(std::move(notices)),
+      owner_{.take = [this](tcp::socket socket) { take(std::move(socket)); },
+             .spawn = [this](awaitable<void> work) { spawn(std::move(work)); },
+             .log = log_},
       housekeeping_(executor_),
-      all_ended_(executor_) {}
+      all_ended_(executor_) {
+  for (const config::Endpoint& entry : settings.listen) {
+    listeners_.emplace_back(executor_, entry, owner_);
+  }
+}
 
-void Connections::start() {
-  std::list<Listener> opened;
-  for (std::size_t i = 0; i < settings_.listen.size(); ++i) {
-    for (tcp::acceptor& acceptor : open_listeners(executor_, settings_.listen[i])) {
-      opened.emplace_back(std::move(acceptor), i);
-    }
-  }
-  listeners_ = std::move(opened);
+void Connections::start(std::span<const int> passed) {
+  PassedSockets sockets(executor_, passed, log_);
   for (Listener& listener : listeners_) {
-    spawn(accept_from(listener));
+    const std::optional<tcp::endpoint> at = listener.numeric();
+    listener.start(at ? sockets.take(*at) : std::nullopt);
   }
-  for (const config::Endpoint& endpoint : settings_.listen) {
-    log_.info(to_string(endpoint), "listening");
-  }
-  spawn(close_silent_clients());
+  sockets.close_rest();
+  spawn(keep_house());
 }
 
 void Connections::close() {
   stopping_ = true;
   for (Listener& listener : listeners_) {
-    error_code ignored;
-    listener.acceptor.close(ignored);
-    listener.pause.cancel();
+    listener.close();
   }
   for (Client& client : clients_) {
-    client.close("the gateway ends");
+    client.close("disconnected: the gateway ends");
   }
   housekeeping_.cancel();
 }
@@ -112,9 +80,7 @@ awaitable<void> Connections::stop() {
 }
 
 std::uint16_t Connections::port(std::size_t listen_index) const {
-  const auto found = std::ranges::find(listeners_, listen_index, &Listener::listen_index);
-  error_code ignored;
-  return found == listeners_.end() ? std::uint16_t{0} : found->acceptor.local_endpoint(ignored).port();
+  return std::next(listeners_.begin(), static_cast<std::ptrdiff_t>(listen_index))->port();
 }
 
 void Connections::spawn(awaitable<void> work) {
@@ -133,20 +99,6 @@ void Connections::on_end() {
   }
 }
 
-awaitable<void> Connections::accept_from(Listener& listener) {
-  while (!stopping_) {
-    error_code failed;
-    tcp::socket socket = co_await listener.acceptor.async_accept(redirect_error(use_awaitable, failed));
-    if (!failed) {
-      take(std::move(socket));
-    } else if (!stopping_ && failed != boost::asio::error::connection_aborted) {
-      log_.warn(to_string(settings_.listen[listener.listen_index]), "cannot take a connection: " + failed.message());
-      listener.pause.expires_after(kAcceptPause);
-      co_await listener.pause.async_wait(redirect_error(use_awaitable, failed));
-    }
-  }
-}
-
 void Connections::take(tcp::socket socket) {
   error_code failed;
   const tcp::endpoint remote = socket.remote_endpoint(failed);
@@ -157,7 +109,7 @@ void Connections::take(tcp::socket socket) {
   if (const char* const why = refusal(address)) {
     // Accepted and closed at once: the client learns it now and does not wait in the backlog until its own timeout.
     units_.gateway().set_refused(++refused_);
-    log_.warn(address.to_string(), std::string("refused: ") + why);
+    log_.warn(address.to_string(), why);
     socket.shutdown(tcp::socket::shutdown_both, failed);
     return;
   }
@@ -167,28 +119,28 @@ void Connections::take(tcp::socket socket) {
 
 const char* Connections::refusal(const boost::asio::ip::address& address) {
   if (!readers_.contains(address)) {
-    return "[modbus] read_from does not name it";
+    return "refused: [modbus] read_from does not name it";
   }
   // Those that are on their way out already take no room.
   std::vector<Caller> callers;
   std::vector<Client*> clients;
   for (Client& client : clients_) {
     if (client.ended() == nullptr) {
-      callers.push_back({boost::asio::ip::make_address(client.address()), client.may_write(), client.idle_since()});
+      callers.push_back({client.from(), client.may_write(), client.idle_since()});
       clients.push_back(&client);
     }
   }
   const Admission admission = admit({.address = address, .may_write = writers_.contains(address)}, callers,
                                     settings_.max_clients, canopen::Clock::now());
   if (admission.instead_of) {
-    clients[*admission.instead_of]->close("made room for a client of write_from");
+    clients[*admission.instead_of]->close("disconnected: made room for a client of write_from");
   }
   return admission.refusal;
 }
 
 void Connections::serve(tcp::socket socket, const boost::asio::ip::address& address) {
-  const auto client = clients_.emplace(clients_.end(), std::move(socket), address.to_string(),
-                                       writers_.contains(address), units_, answers_);
+  const auto client =
+      clients_.emplace(clients_.end(), std::move(socket), address, writers_.contains(address), units_, answers_);
   log_.info(client->address(), client->may_write() ? "connected" : "connected, may read only");
   units_.gateway().set_clients(clients_.size());
   ++running_;
@@ -207,14 +159,12 @@ void Connections::serve(tcp::socket socket, const boost::asio::ip::address& addr
 void Connections::tell_end(const Client& client) {
   if (client.sent_garbage()) {
     log_.warn(client.address(), "disconnected: what it sent is no Modbus TCP");
-  } else if (client.ended() != nullptr) {
-    log_.info(client.address(), std::string("disconnected: ") + client.ended());
   } else {
-    log_.info(client.address(), "has left");
+    log_.info(client.address(), client.ended() == nullptr ? "has left" : client.ended());
   }
 }
 
-awaitable<void> Connections::close_silent_clients() {
+awaitable<void> Connections::keep_house() {
   while (!stopping_) {
     const canopen::TimePoint now = canopen::Clock::now();
     const bool may_be_idle = settings_.idle_timeout == canopen::Duration::zero();
@@ -222,9 +172,11 @@ awaitable<void> Connections::close_silent_clients() {
       const auto idle = client.idle_since();
       const auto half = client.half_since();
       if (idle && half && now - *half >= kHalfRequest) {
-        client.close("the rest of its request did not come");
+        client.close("disconnected: the rest of its request did not come");
       } else if (idle && !may_be_idle && now - *idle >= settings_.idle_timeout) {
-        client.close("idle");
+        client.close("disconnected: idle");
+      } else {
+        client.look_after_slow_reader();
       }
     }
     log_.sweep();

@@ -6,11 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <span>
 
 #include "bridges/modbus/access_list.h"
 #include "bridges/modbus/answers.h"
 #include "bridges/modbus/client.h"
 #include "bridges/modbus/connection_log.h"
+#include "bridges/modbus/listener.h"
 #include "bridges/modbus/units.h"
 #include "canopen/clock.h"
 #include "config/model.h"
@@ -23,8 +25,8 @@ class Connections {
   /// `units` outlives the connections. Throws std::runtime_error for address ranges that are none.
   Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units, Notices notices);
 
-  /// Throws std::runtime_error; then nothing was started.
-  void start();
+  /// `passed`: descriptors of listening sockets, which are owned from here on.
+  void start(std::span<const int> passed);
   /// Ends listeners and connections; nothing more is asked of a drive.
   void close();
   boost::asio::awaitable<void> stop();
@@ -35,20 +37,12 @@ class Connections {
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
  private:
-  struct Listener {
-    Listener(boost::asio::ip::tcp::acceptor opened, std::size_t index);
-    boost::asio::ip::tcp::acceptor acceptor;
-    std::size_t listen_index;
-    canopen::Timer pause;
-  };
-
-  boost::asio::awaitable<void> accept_from(Listener& listener);
   void take(boost::asio::ip::tcp::socket socket);
   /// Nothing: it may stay; whoever makes room for it is gone then. Else why not.
   [[nodiscard]] const char* refusal(const boost::asio::ip::address& address);
   void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
   void tell_end(const Client& client);
-  boost::asio::awaitable<void> close_silent_clients();
+  boost::asio::awaitable<void> keep_house();
   void spawn(boost::asio::awaitable<void> work);
   void on_end();
 
@@ -58,9 +52,10 @@ class Connections {
   AccessList writers_;
   Units& units_;
   Answers answers_;
-  std::list<Listener> listeners_;
   std::list<Client> clients_;
   ConnectionLog log_;
+  Listener::Owner owner_;
+  std::list<Listener> listeners_;  ///< One for each entry of `listen`, in its order.
   canopen::Timer housekeeping_;
   canopen::Timer all_ended_;
   std::size_t running_ = 0;  ///< Coroutines.

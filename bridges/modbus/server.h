@@ -29,16 +29,17 @@ class Server final : public process::Observer {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Opens all listeners. Throws std::runtime_error that names the endpoint, the cause and the remedy; then nothing
-  /// was started.
-  void start() { connections_.start(); }
+  /// Listens: on `passed`, sockets that a service manager bound and that are owned from here on, where an entry of
+  /// `listen` has just that address and port, else on its own. Never fails; what cannot be opened yet is told and
+  /// tried again.
+  void start(std::span<const int> passed = {}) { connections_.start(passed); }
   /// Ends listeners and connections.
   void close() { connections_.close(); }
   /// The same; returns when no command of a client is in progress any more, at the latest after the longest deadline of
   /// a command, or soon after the plant was stopped.
   boost::asio::awaitable<void> stop() { return connections_.stop(); }
 
-  /// The port that config::Modbus::listen[listen_index] got, where the configuration says 0. 0 before start().
+  /// The port that config::Modbus::listen[listen_index] got, where the configuration says 0. 0 while nothing listens.
   [[nodiscard]] std::uint16_t port(std::size_t listen_index) const { return connections_.port(listen_index); }
   /// Connected now.
   [[nodiscard]] std::size_t clients() const noexcept { return connections_.clients(); }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -41,6 +42,35 @@ TEST(AccessList, WholeAddressOfIpv6) {
   const AccessList list({{"::1", 128}}, "key");
   EXPECT_TRUE(allows(list, "::1"));
   EXPECT_FALSE(allows(list, "::2"));
+}
+
+TEST(AccessList, EveryPrefixOfBothKinds) {
+  for (unsigned prefix = 1; prefix <= 32; ++prefix) {
+    const std::uint32_t last = 1U << (32 - prefix);  // the lowest bit within the prefix
+    const AccessList list({{"255.255.255.255", prefix}}, "key");
+    EXPECT_TRUE(list.contains(boost::asio::ip::address_v4(0xFFFFFFFFU - (last - 1)))) << prefix;
+    EXPECT_FALSE(list.contains(boost::asio::ip::address_v4(0xFFFFFFFFU - last))) << prefix;
+  }
+  for (unsigned prefix = 1; prefix <= 128; ++prefix) {
+    boost::asio::ip::address_v6::bytes_type bytes{};
+    const AccessList list({{"::", prefix}}, "key");
+    bytes.at((prefix - 1) / 8) = static_cast<unsigned char>(0x80U >> ((prefix - 1) % 8));
+    EXPECT_FALSE(list.contains(boost::asio::ip::address_v6(bytes))) << prefix;
+    if (prefix < 128) {
+      bytes = {};
+      bytes.at(prefix / 8) = static_cast<unsigned char>(0x80U >> (prefix % 8));
+      EXPECT_TRUE(list.contains(boost::asio::ip::address_v6(bytes))) << prefix;
+    }
+  }
+}
+
+TEST(AccessList, ALinkLocalAddressWithItsInterface) {
+  EXPECT_TRUE(allows(AccessList({{"fe80::", 10}}, "key"), "fe80::1%1"));
+}
+
+TEST(AccessList, APrefixLongerThanTheAddressIsNoNetwork) {
+  EXPECT_THROW(AccessList({{"10.0.0.0", 33}}, "key"), std::runtime_error);
+  EXPECT_THROW(AccessList({{"::", 129}}, "key"), std::runtime_error);
 }
 
 TEST(AccessList, AMappedAddressIsTheIpv4Address) {

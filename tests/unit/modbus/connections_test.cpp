@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <memory>
 
 #include "tests/unit/modbus/site.h"
@@ -208,6 +209,44 @@ TEST(Connections, AFullServerMakesRoomForAClientThatMayWrite) {
   EXPECT_EQ(site.ask(scada, kUnit, "03 0064 0001"), "03 02 0000");
   EXPECT_TRUE(is_closed(site, second));
   EXPECT_EQ(site.ask(scada, 0, "03 0005 0002"), "03 04 0004 0001");
+}
+
+TEST(Connections, ThirtyTwoSilentStrangersDoNotKeepOutWhoMayWrite) {
+  config::Model model = example_model();
+  model.modbus->write_from = {{"127.0.0.9", 32}};
+  Site site(model);
+  std::list<TcpClient> silent;
+  for (int i = 0; i < 32; ++i) {
+    silent.emplace_back(site.port(), "127.0.0.1", TcpClient::Buffers::usual, i < 16 ? "127.0.0.2" : "127.0.0.3");
+    ASSERT_TRUE(site.settle_until([&] { return site.server().clients() == silent.size(); }));
+  }
+  TcpClient stranger(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.4");
+  EXPECT_TRUE(is_closed(site, stranger));
+  EXPECT_EQ(site.noticed("warning: Modbus: 127.0.0.4: refused: max_clients are connected"), 1U);
+  TcpClient scada(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.9");
+  EXPECT_EQ(site.ask(scada, kUnit, "03 0064 0001"), "03 02 0000");
+  EXPECT_EQ(site.noticed("info: Modbus: 127.0.0.2: disconnected: made room for a client of write_from"), 1U);
+  EXPECT_EQ(site.ask(scada, 0, "03 0005 0002"), "03 04 0020 0001");
+}
+
+TEST(Connections, AFullServerLeavesAloneWhoseCommandIsUnderWay) {
+  config::Model model = example_model();
+  model.modbus->max_clients = 2;
+  model.modbus->write_from = {{"127.0.0.8", 31}};
+  Site site(model);
+  site.bring_up();
+  site.puppet().mute = true;
+  TcpClient commanding(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.8");
+  TcpClient stranger(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.1");
+  send_all(commanding, frame(kUnit, "06 012c 0001"));
+  ASSERT_TRUE(site.settle_until([&site] { return site.server().clients() == 2; }));
+  TcpClient scada(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.9");
+  EXPECT_EQ(site.ask(scada, 0, "03 0005 0001"), "03 02 0002");
+  EXPECT_TRUE(is_closed(site, stranger));
+  TcpClient more(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.1");
+  EXPECT_TRUE(is_closed(site, more));
+  site.loop().advance(seconds(2));
+  EXPECT_EQ(site.answer(commanding), "86 0b") << "it was answered";
 }
 
 TEST(Connections, WithoutIdleTimeoutTheyStay) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <boost/asio/co_spawn.hpp>
 #include <chrono>
@@ -41,18 +42,20 @@ std::string text_of(const Bytes& frame) {
 
 }  // namespace
 
-Site::Site(config::Model model)
+Site::Site(config::Model model, std::vector<int> passed)
     : model_(std::move(model)),
       can_(loop_.executor()),
       puppet_(can_, kPuppetNode),
       bus_(loop_.executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}),
       plant_(loop_.executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}),
       bus_state_(bus_.subscribe_state([this](const canopen::BusState& state) { plant_.set_bus_state(0, state); })),
-      server_(loop_.executor(), plant_, *model_.modbus) {
+      server_(loop_.executor(), plant_, *model_.modbus,
+              {.info = [this](const std::string& text) { notices_.push_back("info: " + text); },
+               .warning = [this](const std::string& text) { notices_.push_back("warning: " + text); }}) {
   fill_dictionary(puppet_);
   plant_.add(server_);
   plant_.add(remarks_);
-  server_.start();
+  server_.start(passed);
   bus_.start();
   plant_.start();
   loop_.settle();
@@ -75,6 +78,11 @@ Site::~Site() {
         }
       });
   EXPECT_TRUE(loop_.advance_until([&done] { return done; }, std::chrono::seconds(5)));
+}
+
+std::size_t Site::noticed(const std::string& part) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      notices_, [&part](const std::string& notice) { return notice.find(part) != std::string::npos; }));
 }
 
 void Site::stop_server() {

@@ -74,7 +74,8 @@ class Remarks final : public process::Observer {
 /// A plant with one puppet drive and a Modbus server, time moved by hand.
 class Site {
  public:
-  explicit Site(config::Model model = example_model());
+  /// `passed`: what a service manager bound.
+  explicit Site(config::Model model = example_model(), std::vector<int> passed = {});
   ~Site();
   Site(const Site&) = delete;
   Site& operator=(const Site&) = delete;
@@ -109,6 +110,9 @@ class Site {
   process::Plant& plant() noexcept { return plant_; }
   modbus::Server& server() noexcept { return server_; }
   [[nodiscard]] std::vector<std::string>& remarks() noexcept { return remarks_.texts; }
+  /// What the server told of connections, as `info: …` and `warning: …`.
+  [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
+  [[nodiscard]] std::size_t noticed(const std::string& part) const;
   [[nodiscard]] std::uint16_t port() const { return server_.port(0); }
 
  private:
@@ -122,6 +126,7 @@ class Site {
   Remarks remarks_;
   process::Plant plant_;
   canopen::Subscription bus_state_;
+  std::vector<std::string> notices_;
   modbus::Server server_;
   std::unique_ptr<TcpClient> client_;
   std::array<std::uint8_t, 8> values_{};

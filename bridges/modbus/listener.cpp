@@ -1,0 +1,244 @@
+#include "bridges/modbus/listener.h"
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/system/error_code.hpp>
+#include <cerrno>
+#include <chrono>
+#include <utility>
+
+namespace modbus {
+
+using boost::asio::awaitable;
+using boost::asio::redirect_error;
+using boost::asio::use_awaitable;
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+constexpr unsigned kFirstOrdinaryPort = 1024;
+constexpr canopen::Duration kFirstRetry = std::chrono::seconds(1);
+constexpr canopen::Duration kLastRetry = std::chrono::seconds(30);
+
+// After a failed accept (no descriptor left), so that the loop does not spin on it. Who connects waits meanwhile in the
+// system's queue, and is served once there is one.
+constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
+
+std::string text_of(const config::Endpoint& entry) {
+  const bool is_v6 = entry.host.find(':') != std::string::npos;
+  return (is_v6 ? "[" + entry.host + "]" : entry.host) + ":" + std::to_string(entry.port);
+}
+
+std::string remedy(const error_code& cause, const config::Endpoint& entry) {
+  if (cause == boost::asio::error::address_in_use) {
+    return "another program listens there (`ss -ltnp` shows which): stop it, or take another port";
+  }
+  if (cause == boost::asio::error::access_denied && entry.port < kFirstOrdinaryPort) {
+    return "ports below 1024 need the capability CAP_NET_BIND_SERVICE, which the systemd unit gives: start it that "
+           "way, or take a port from 1024 on";
+  }
+  if (cause == boost::asio::error::address_family_not_supported) {
+    return "this system does not have that kind of address: leave the entry out";
+  }
+  if (cause.category() == boost::asio::error::get_netdb_category() ||
+      cause.category() == boost::asio::error::get_addrinfo_category()) {
+    return "the name must be known here (`getent hosts` shows whether it is), or write a numeric address";
+  }
+  return "this machine must have the address (`ip address` shows which it has): take one of these, or 0.0.0.0 or [::] "
+         "for all";
+}
+
+bool is_absent(const error_code& cause) {
+  return cause == error_code(EADDRNOTAVAIL, boost::system::system_category());
+}
+
+// A name may stand for an address of a kind that this machine does not have (localhost without IPv6).
+bool is_of_no_use(const error_code& cause) {
+  return cause == boost::asio::error::address_family_not_supported || is_absent(cause);
+}
+
+}  // namespace
+
+// The system's resolver cannot be interrupted and may take half a minute, so whoever asked does not stay for the
+// answer.
+struct Listener::Question {
+  explicit Question(const boost::asio::any_io_executor& executor) : answered(executor, canopen::TimePoint::max()) {}
+  canopen::Timer answered;
+  error_code failed = boost::asio::error::operation_aborted;
+  Endpoints endpoints;
+};
+
+Listener::Listener(boost::asio::any_io_executor executor, const config::Endpoint& entry, Owner& owner)
+    : executor_(std::move(executor)),
+      entry_(entry),
+      owner_(owner),
+      name_(text_of(entry)),
+      resolver_(executor_),
+      retry_(executor_) {}
+
+std::optional<tcp::endpoint> Listener::numeric() const {
+  error_code failed;
+  const auto address = boost::asio::ip::make_address(entry_.host, failed);
+  return failed ? std::nullopt : std::optional(tcp::endpoint(address, entry_.port));
+}
+
+void Listener::start(std::optional<tcp::acceptor> passed) {
+  const std::optional<tcp::endpoint> at = numeric();
+  if (passed) {
+    error_code failed;
+    serve(passed->local_endpoint(failed), std::move(*passed));
+    owner_.log.info(name_, "listening on the socket that the service manager passed");
+  } else if (!at || !open({*at})) {
+    owner_.spawn(open_in_time(at.has_value()));
+  }
+}
+
+void Listener::close() {
+  closed_ = true;
+  for (Socket& socket : sockets_) {
+    error_code ignored;
+    socket.acceptor.close(ignored);
+    socket.pause.cancel();
+  }
+  retry_.cancel();
+  if (question_) {
+    question_->answered.cancel();
+  }
+}
+
+std::uint16_t Listener::port() const {
+  error_code failed;
+  return sockets_.empty() ? std::uint16_t{0} : sockets_.front().acceptor.local_endpoint(failed).port();
+}
+
+awaitable<void> Listener::open_in_time(bool tried) {
+  for (canopen::Duration pause = kFirstRetry; !closed_; pause = std::min(2 * pause, kLastRetry)) {
+    if (tried) {
+      error_code ignored;
+      retry_.expires_after(pause);
+      co_await retry_.async_wait(redirect_error(use_awaitable, ignored));
+    }
+    tried = true;
+    Endpoints endpoints;
+    if (!closed_) {
+      endpoints = co_await resolve();
+    }
+    if (closed_ || (!endpoints.empty() && open(endpoints))) {
+      co_return;
+    }
+  }
+}
+
+awaitable<Listener::Endpoints> Listener::resolve() {
+  if (const std::optional<tcp::endpoint> at = numeric()) {
+    co_return Endpoints{*at};
+  }
+  question_ = std::make_shared<Question>(executor_);
+  resolver_.async_resolve(
+      entry_.host, std::to_string(entry_.port), tcp::resolver::passive,
+      [asked = std::weak_ptr(question_)](const error_code& failed, const tcp::resolver::results_type& found) {
+        if (const auto question = asked.lock()) {
+          question->failed = failed;
+          question->endpoints.assign(found.begin(), found.end());
+          question->answered.cancel();
+        }
+      });
+  error_code ignored;
+  co_await question_->answered.async_wait(redirect_error(use_awaitable, ignored));
+  const std::shared_ptr<Question> question = std::exchange(question_, nullptr);
+  if (question->failed && !closed_) {
+    warn_once(question->failed);
+  }
+  co_return std::move(question->endpoints);
+}
+
+bool Listener::open(const Endpoints& endpoints) {
+  error_code worst;
+  error_code of_no_use;
+  for (const tcp::endpoint& at : endpoints) {
+    if (std::ranges::count(sockets_, at, &Socket::asked_for) != 0) {
+      continue;
+    }
+    error_code failed;
+    std::optional<tcp::acceptor> acceptor = bind(at, failed);
+    if (acceptor) {
+      serve(at, std::move(*acceptor));
+    } else {
+      (is_of_no_use(failed) ? of_no_use : worst) = failed;
+    }
+  }
+  if (!worst && sockets_.empty()) {
+    worst = of_no_use;
+  }
+  if (worst) {
+    warn_once(worst);
+    return false;
+  }
+  owner_.log.info(name_, "listening");
+  return true;
+}
+
+std::optional<tcp::acceptor> Listener::bind(const tcp::endpoint& at, error_code& failed) {
+  tcp::acceptor acceptor(executor_);
+  acceptor.open(at.protocol(), failed);
+  if (!failed) {
+    acceptor.set_option(tcp::acceptor::reuse_address(true), failed);
+  }
+  if (!failed && at.address().is_v6()) {
+    acceptor.set_option(boost::asio::ip::v6_only(true), failed);
+  }
+  if (!failed) {
+    acceptor.bind(at, failed);
+  }
+  if (is_absent(failed) && numeric()) {
+    // Of both kinds of address (ip(7)): taken now, served from the moment on at which the machine gets it.
+    const int on = 1;
+    ::setsockopt(acceptor.native_handle(), IPPROTO_IP, IP_FREEBIND, &on, sizeof on);
+    acceptor.bind(at, failed);
+    if (!failed) {
+      owner_.log.warn(name_,
+                      "this machine does not have the address (`ip address` shows which it has); it is served "
+                      "as soon as it does");
+    }
+  }
+  if (!failed) {
+    acceptor.listen(boost::asio::socket_base::max_listen_connections, failed);
+  }
+  return failed ? std::nullopt : std::optional(std::move(acceptor));
+}
+
+void Listener::serve(const tcp::endpoint& asked_for, tcp::acceptor acceptor) {
+  sockets_.push_back({asked_for, std::move(acceptor), canopen::Timer(executor_)});
+  owner_.spawn(accept_from(sockets_.back()));
+}
+
+awaitable<void> Listener::accept_from(Socket& socket) {
+  while (!closed_) {
+    error_code failed;
+    tcp::socket client = co_await socket.acceptor.async_accept(redirect_error(use_awaitable, failed));
+    if (!failed) {
+      owner_.take(std::move(client));
+    } else if (!closed_ && failed != boost::asio::error::connection_aborted) {
+      owner_.log.warn(name_, "cannot take a connection: " + failed.message() +
+                                 "; who connects waits until descriptors or memory are free");
+      socket.pause.expires_after(kAcceptPause);
+      co_await socket.pause.async_wait(redirect_error(use_awaitable, failed));
+    }
+  }
+}
+
+void Listener::warn_once(const error_code& cause) {
+  std::string text = "cannot listen: " + cause.message() + "; " + remedy(cause, entry_) + ". It is tried again";
+  if (text != told_) {
+    owner_.log.warn(name_, text);
+    told_ = std::move(text);
+  }
+}
+
+}  // namespace modbus
