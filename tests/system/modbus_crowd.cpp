@@ -29,6 +29,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -138,9 +139,10 @@ class Crowd {
     }
   }
 
-  void run(Clock::duration time, std::size_t strangers) {
-    times_.clear();
-    // Whoever is to come has come before it counts.
+  using Times = std::vector<std::int64_t>;  // in µs
+
+  /// How long answers took; whoever is to come has come before it counts.
+  Times run(Clock::duration time, std::size_t strangers) {
     while (strangers_.size() < strangers) {
       const Clock::time_point next = Clock::now() + kArrival;
       strangers_.push_back({Socket("127.0.0.2", port_), static_cast<Habit>(strangers_.size() % 3), Clock::now()});
@@ -148,15 +150,12 @@ class Crowd {
     }
     times_.clear();
     turn_until(Clock::now() + time);
+    return times_;
   }
-
-  void print() {
-    std::ranges::sort(times_);
-    const auto within = [this](std::size_t per_mille) {
-      return static_cast<long long>(times_.at(std::min(times_.size() - 1, times_.size() * per_mille / 1000)));
-    };
-    std::printf("%zu %lld %lld %lld %lld %zu\n", times_.size(), within(500), within(990), within(999), within(1000),
-                strangers_.size());
+  /// How many of the strangers are still connected.
+  std::size_t send_away() {
+    return static_cast<std::size_t>(std::ranges::count(std::exchange(strangers_, {}), false,
+                                                       [](const Stranger& each) { return each.socket.lost(); }));
   }
 
  private:
@@ -222,8 +221,28 @@ class Crowd {
   std::uint16_t port_;
   std::vector<Client> clients_;
   std::vector<Stranger> strangers_;
-  std::vector<std::int64_t> times_;
+  Times times_;
 };
+
+void print(Crowd::Times times) {
+  std::ranges::sort(times);
+  for (const std::size_t per_mille : {500U, 990U, 999U, 1000U}) {
+    std::printf("%lld ", static_cast<long long>(times.at(std::min(times.size() - 1, times.size() * per_mille / 1000))));
+  }
+  std::printf("%zu\n", times.size());
+}
+
+// What is alone is measured before and after, so that a machine that becomes busy is so for both.
+void poll(std::uint16_t port, seconds time) {
+  Crowd crowd(port);
+  Crowd::Times alone = crowd.run(time / 2, 0);
+  const Crowd::Times beside = crowd.run(time, kStrangers);
+  const std::size_t strangers = crowd.send_away();
+  std::ranges::copy(crowd.run(time / 2, 0), std::back_inserter(alone));
+  print(alone);
+  print(beside);
+  std::printf("%zu\n", strangers);
+}
 
 void wait_for(Socket& socket, short events) {
   pollfd waiting{socket.descriptor(), events, 0};
@@ -292,11 +311,7 @@ int main(int argc, char** argv) {
     const auto port = static_cast<std::uint16_t>(std::stoi(std::string(words.at(1))));
     const auto time = [&words] { return seconds(std::stoi(std::string(words.at(2)))); };
     if (words.front() == "poll") {
-      Crowd crowd(port);
-      crowd.run(time(), 0);
-      crowd.print();
-      crowd.run(time(), kStrangers);
-      crowd.print();
+      poll(port, time());
     } else if (words.front() == "full") {
       full(port);
     } else if (words.front() == "deaf") {
