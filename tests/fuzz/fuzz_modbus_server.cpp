@@ -106,7 +106,7 @@ class Site {
   std::vector<std::uint8_t> unfinished_;           ///< Sent, and no whole frame yet.
   bool garbage_ = false;                           ///< Sent: the server will close.
   std::deque<std::vector<std::uint8_t>> awaited_;  ///< Frames without an answer.
-  canopen::TimePoint last_sent_;
+  canopen::TimePoint half_since_;                  ///< Of what is unfinished.
   std::size_t pump_was_told_ = 0;  ///< By its start.
   std::size_t fan_was_told_ = 0;
   bool wrote_ = false;
@@ -171,7 +171,9 @@ void Site::send(Bytes bytes) {
     loop_.settle();
   }
   require(client_->send(bytes) == bytes.size());
-  last_sent_ = canopen::Clock::now();
+  if (unfinished_.empty()) {
+    half_since_ = canopen::Clock::now();
+  }
   unfinished_.insert(unfinished_.end(), bytes.begin(), bytes.end());
   modbus::FoundFrame found = modbus::find_frame(unfinished_);
   for (; found.framing == modbus::Framing::complete; found = modbus::find_frame(unfinished_)) {
@@ -179,6 +181,7 @@ void Site::send(Bytes bytes) {
     awaited_.emplace_back(unfinished_.begin(), frame_end);
     wrote_ = wrote_ || may_write(modbus::pdu_of(awaited_.back()));
     unfinished_.erase(unfinished_.begin(), frame_end);
+    half_since_ = canopen::Clock::now();
   }
   garbage_ = garbage_ || found.framing == modbus::Framing::broken;
   loop_.settle();
@@ -200,7 +203,7 @@ void Site::take_answers() {
     awaited_.pop_front();
   }
   if (client_->closed()) {
-    const bool half = !unfinished_.empty() && canopen::Clock::now() - last_sent_ > 4s;
+    const bool half = !unfinished_.empty() && canopen::Clock::now() - half_since_ > 4s;
     require(awaited_.empty() && (garbage_ || half));
     client_.reset();
     unfinished_.clear();
