@@ -12,7 +12,7 @@ namespace bench {
 BareModbusServer::BareModbusServer(std::uint16_t port)
     : context_(modbus_new_tcp("127.0.0.1", port)),
       mapping_(modbus_mapping_new(0, 0, 100, 100)),
-      listener_(modbus_tcp_listen(context_, 16)) {
+      listener_(modbus_tcp_listen(context_, 256)) {
   if (listener_ < 0) {
     throw std::runtime_error("the bare Modbus server cannot listen");
   }

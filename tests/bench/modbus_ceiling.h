@@ -16,6 +16,9 @@ class BareModbusServer {
   BareModbusServer(const BareModbusServer&) = delete;
   BareModbusServer& operator=(const BareModbusServer&) = delete;
 
+  /// The thread that serves.
+  [[nodiscard]] std::thread& thread() noexcept { return thread_; }
+
  private:
   void serve();
 

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <vector>
@@ -37,6 +38,7 @@ class Connection {
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
 
   void ask() {
+    asked_ = std::chrono::steady_clock::now();
     if (write(descriptor_, request_.data(), request_.size()) != static_cast<ssize_t>(request_.size())) {
       throw std::runtime_error("a request could not be sent");
     }
@@ -53,16 +55,18 @@ class Connection {
     received_ += static_cast<std::size_t>(count);
     return received_ >= kAnswerSize;
   }
+  [[nodiscard]] std::chrono::steady_clock::time_point asked() const noexcept { return asked_; }
 
  private:
   int descriptor_;
   std::array<std::uint8_t, 12> request_;
   std::size_t received_ = 0;
+  std::chrono::steady_clock::time_point asked_;
 };
 
 }  // namespace
 
-double requests_per_second(const ModbusLoad& load) {
+ModbusTimes ask(const ModbusLoad& load) {
   const int poll = epoll_create1(0);
   std::vector<std::unique_ptr<Connection>> connections;
   for (int i = 0; i < load.clients; ++i) {
@@ -75,7 +79,7 @@ double requests_per_second(const ModbusLoad& load) {
   }
   const auto begin = std::chrono::steady_clock::now();
   auto now = begin;
-  std::uint64_t answers = 0;
+  ModbusTimes times;
   std::array<epoll_event, 16> events{};
   while (now - begin < load.time) {
     const int ready = epoll_wait(poll, events.data(), static_cast<int>(events.size()), 1000);
@@ -85,14 +89,18 @@ double requests_per_second(const ModbusLoad& load) {
     for (int i = 0; i < ready; ++i) {
       auto* const connection = static_cast<Connection*>(events[static_cast<std::size_t>(i)].data.ptr);
       if (connection->take()) {
-        ++answers;
+        times.took.push_back(std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() -
+                                                                      connection->asked())
+                                 .count());
         connection->ask();
       }
     }
     now = std::chrono::steady_clock::now();
   }
   close(poll);
-  return static_cast<double>(answers) / std::chrono::duration<double>(now - begin).count();
+  times.per_second = static_cast<double>(times.took.size()) / std::chrono::duration<double>(now - begin).count();
+  std::ranges::sort(times.took);
+  return times;
 }
 
 }  // namespace bench

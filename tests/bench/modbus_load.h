@@ -1,7 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace bench {
 
@@ -12,8 +14,18 @@ struct ModbusLoad {
   std::chrono::milliseconds time{1000};
 };
 
-/// Function 3, ten registers from 0, asked by `clients` connections, each with one request under way. Requests per
-/// second. Throws std::runtime_error for anything but a normal answer: a rate of errors is no rate.
-[[nodiscard]] double requests_per_second(const ModbusLoad& load);
+struct ModbusTimes {
+  double per_second = 0;
+  std::vector<float> took;  ///< Each request, in µs; sorted.
+
+  /// In µs: what this part of all requests took at most.
+  [[nodiscard]] float within(double part) const {
+    return took.at(static_cast<std::size_t>(part * static_cast<double>(took.size() - 1)));
+  }
+};
+
+/// Function 3, ten registers from 0, asked by `clients` connections, each with one request under way. Throws
+/// std::runtime_error for anything but a normal answer: a rate of errors is no rate.
+[[nodiscard]] ModbusTimes ask(const ModbusLoad& load);
 
 }  // namespace bench

@@ -6,6 +6,17 @@
 #include <cstdio>
 
 namespace bench {
+namespace {
+
+std::vector<double> ratios_of(const Comparison& comparison) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < comparison.ceiling.size(); ++i) {
+    ratios.push_back(comparison.gateway[i] / comparison.ceiling[i]);
+  }
+  return ratios;
+}
+
+}  // namespace
 
 Comparison compare(std::string what, std::string unit, int rounds, const std::function<double()>& ceiling,
                    const std::function<double()>& gateway) {
@@ -21,6 +32,10 @@ Comparison compare(std::string what, std::string unit, int rounds, const std::fu
   return result;
 }
 
+double median_ratio(const Comparison& comparison) {
+  return median(ratios_of(comparison));
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) {
     return 0;
@@ -31,10 +46,7 @@ double median(std::vector<double> values) {
 }
 
 void print(const Comparison& comparison) {
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < comparison.ceiling.size(); ++i) {
-    ratios.push_back(comparison.gateway[i] / comparison.ceiling[i]);
-  }
+  const std::vector<double> ratios = ratios_of(comparison);
   const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
   fmt::print("{:<44} ceiling {:>10.0f} {}, gateway {:>10.0f} {}, ratio {:.2f} ({:.2f}..{:.2f})\n", comparison.what,
              median(comparison.ceiling), comparison.unit, median(comparison.gateway), comparison.unit, median(ratios),

@@ -22,6 +22,9 @@ struct Comparison {
 /// `what: ceiling M, gateway M, ratio M (min..max of the pairs)`; all but the latter are medians.
 void print(const Comparison& comparison);
 
+/// Of the pairs.
+[[nodiscard]] double median_ratio(const Comparison& comparison);
+
 [[nodiscard]] double median(std::vector<double> values);
 
 /// Seconds that passed while `work` ran.

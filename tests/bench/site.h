@@ -34,6 +34,8 @@ class SiteInThread {
   [[nodiscard]] bool wait_online();
   [[nodiscard]] canopen::VirtualBus& bus() noexcept { return bus_; }
   [[nodiscard]] boost::asio::io_context& loop() noexcept { return loop_; }
+  /// The thread of the loop.
+  [[nodiscard]] std::thread& thread() noexcept { return thread_; }
 
  private:
   config::Model model_;

@@ -10,17 +10,8 @@ import sys
 sys.dont_write_bytecode = True  # the source tree stays as it is
 
 from modbus import judge, self_test
-from modbus.protocol import STREAMS, Connection, Disagreement, read_individual, read_object, read_stream, write_object
-
-
-def object_name(text):
-    index, _, sub = text.partition(":")
-    return int(index, 16), int(sub or "0", 16)
-
-
-def object_value(text):
-    name, _, value = text.partition("=")
-    return (*object_name(name), bytes.fromhex(value))
+from modbus.protocol import (STREAMS, Connection, Disagreement, object_name, object_value, read_individual, read_object,
+                             read_stream, write_object)
 
 
 def print_identification(connection, options):
@@ -48,9 +39,11 @@ def arguments():
     parser.add_argument("--writable", type=object_value, help="INDEX:SUB=HEX: may be written with these bytes")
     parser.add_argument("--read-only", type=object_name, help="INDEX:SUB: the drive refuses a write (06010002)")
     parser.add_argument("--absent", type=object_name, help="INDEX:SUB: the drive has no such object (06020000)")
+    parser.add_argument("--no-raw", dest="raw", action="store_false", help="only objects of signals are written (0x01)")
     parser.add_argument("--large", type=object_name, help="INDEX:SUB: readable, more than 241 bytes")
     parser.add_argument("--wrong-node", type=int, help="a node that this unit must not reach")
     parser.add_argument("--offline-node", type=int, help="a configured node of this unit that is not there now (0x0B)")
+    parser.add_argument("--offline", action="store_true", help="the unit's own drive is not there now")
     parser.add_argument("--self-test", action="store_true", help="the client's own checks, without a server")
     options = parser.parse_args()
     if options.self_test:

@@ -31,12 +31,36 @@ class Unit:
     bits: dict = field(default_factory=dict)  # address: 0, 1 or None
     writes: dict = field(default_factory=dict)  # address: lists of words that may be written
     bit_writes: dict = field(default_factory=dict)  # address: list of 0 and 1
+    refused: dict = field(default_factory=dict)  # address: lists of (words, exception) that it does not take
+    objects: dict = field(default_factory=dict)  # what judge.py may know of them, by the names of its options
+    flat: dict = None  # of the flat unit: base: the unit of that drive
+    absent: set = field(default_factory=set)  # of the flat unit: bases of drives that are offline
+
+    def base(self, address):
+        """Of the flat unit: the base of the drive that is shown there, or None."""
+        return next((base for base in self.flat if base <= address < base + 1000), None)
+
+    def own(self, address):
+        """What this is on a drive's own unit; None: the flat unit shows nothing there."""
+        if self.flat is None:
+            return address
+        base = self.base(address)
+        if base is None:
+            return None
+        return address - base if address < base + 900 else address - base + 100
+
+    def away(self, address):
+        """Whether the drive that this address belongs to is offline."""
+        return self.offline or (self.flat is not None and self.base(address) in self.absent)
 
     def word(self, address):
         """A word, or one of ANY, UNUSED (reads 0), OPEN (0 or refused), UNMAPPED."""
         if address in self.registers:
             value = self.registers[address]
             return ANY if value is None else value
+        address = self.own(address)
+        if address is None:
+            return UNMAPPED
         if self.gateway:
             block = range(100, 100 + 20 * self.buses)
             if address <= 7 or address == 20 or address in block:
@@ -53,11 +77,13 @@ class Unit:
         if address in self.bits:
             value = self.bits[address]
             return ANY if value is None else value
-        return OPEN if address < 200 else UNMAPPED  # unused *registers* read 0; bits are not named
+        own = self.own(address)
+        return UNUSED if own is not None and own < 200 else UNMAPPED
 
     def live(self, address):
         """Whether a read needs the drive: its signals, not commands, unused registers or diagnostics."""
-        return address in self.registers and address < 1000 and address not in self.commands
+        own = self.own(address)
+        return own is not None and address in self.registers and own < 1000 and address not in self.commands
 
     def halves(self, address, quantity):
         """Whether the range cuts a wide value."""
@@ -98,7 +124,7 @@ def read_words(unit, function, address, quantity):
     words = [unit.word(number) for number in range(address, address + quantity)]
     if UNMAPPED in words:
         return exception(function, 0x02)
-    if unit.offline and any(unit.live(number) for number in range(address, address + quantity)):
+    if any(unit.live(number) and unit.away(number) for number in range(address, address + quantity)):
         return exception(function, 0x0B)
     value = b"".join(struct.pack(">H", word if isinstance(word, int) else 0) for word in words)
     mask = b"".join(b"\x00\x00" if word == ANY else b"\xff\xff" for word in words)
@@ -116,7 +142,7 @@ def read_bits(unit, function, address, quantity):
     bits = [unit.bit(number) for number in range(address, address + quantity)]
     if UNMAPPED in bits:
         return exception(function, 0x02)
-    if unit.offline and any(number in unit.bits for number in range(address, address + quantity)):
+    if any(number in unit.bits and unit.away(number) for number in range(address, address + quantity)):
         return exception(function, 0x0B)
     value, mask = bytearray((quantity + 7) // 8), bytearray(b"\xff" * ((quantity + 7) // 8))
     for number, bit in enumerate(bits):
@@ -129,6 +155,12 @@ def read_bits(unit, function, address, quantity):
     return answer + (exception(function, 0x02) if OPEN in bits else [])
 
 
+def takes_ignored_zero(unit, first, at):
+    """Whether this is an unused one of 101..103 of a request that begins at `first` and also writes 100."""
+    own = unit.own(at)
+    return own in (101, 102, 103) and unit.word(at) == UNUSED and first <= at - (own - 100)
+
+
 def writable(unit, address, words):
     """Whether these words may be written: whole allowed values, and 0 to unused 101..103 beside 100."""
     at, end = address, address + len(words)
@@ -137,7 +169,7 @@ def writable(unit, address, words):
     while at < end:
         if at in unit.writes:
             at += unit.wide.get(at, 1)
-        elif at in (101, 102, 103) and unit.word(at) == UNUSED and address <= 100 and words[at - address] == 0:
+        elif takes_ignored_zero(unit, address, at) and words[at - address] == 0:
             at += 1
         else:
             return False
@@ -148,14 +180,18 @@ def write_words(unit, function, address, words, echo):
     """Whole values at allowed addresses are echoed; everything else is no writable address."""
     if address + len(words) > 0x10000 or not writable(unit, address, words):
         return exception(function, 0x02)
-    return exception(function, 0x0B) if unit.offline else [("echo", echo)]
+    if unit.away(address):
+        # Open for function 22: which is told where the drive is not there and its bits are not known.
+        return exception(function, 0x0B, *([0x03] if function == 22 and words[0] else []))
+    refused = [code for value, code in unit.refused.get(address, []) if tuple(value) == tuple(words)]
+    return exception(function, *refused) if refused else [("echo", echo)]
 
 
 def write_bits(unit, function, address, quantity, echo):
     allowed = all(number in unit.bit_writes for number in range(address, address + quantity))
     if address + quantity > 0x10000 or not allowed:
         return exception(function, 0x02)
-    return exception(function, 0x0B) if unit.offline else [("echo", echo)]
+    return exception(function, 0x0B) if unit.away(address) else [("echo", echo)]
 
 
 def write_and_read(unit, pdu):

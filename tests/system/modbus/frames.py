@@ -6,6 +6,7 @@ closes the connection with it is its own affair, so most of these rows are open 
 """
 import socket
 import struct
+import threading
 import time
 from dataclasses import dataclass
 
@@ -157,22 +158,35 @@ def run_segments(peer, segments, quiet, patience):
     return answer, end, f"asked: {asked}", False
 
 
-def half_request_rows(peer, unit, deadline):
-    """Half requests that nobody completes, all at once: each connection is closed when the deadline is over."""
-    good = frame(1, unit, QUESTION)
-    halves = [good[:1], good[:6], good[:7], good[:-1], frame(1, unit, QUESTION, 0, 7), frame(1, unit, QUESTION, 0, 254)]
-    start = time.monotonic()
-    connections = [socket.create_connection(peer, 5) for _ in halves]
-    for connection, half in zip(connections, halves):
-        connection.sendall(half)
-    for connection, half in zip(connections, halves):
-        connection.settimeout(max(0.01, start + deadline + 2 - time.monotonic()))
-        try:
-            answer = connection.recv(300)
-            spent = time.monotonic() - start
-            good_end = answer == b"" and spent >= 0.8 * deadline
-            end = f"closed after {spent:.0f} s" if answer == b"" else OPEN
-        except OSError as error:
-            answer, end, good_end = b"", str(error), False
-        yield half, answer, end, f"closed without an answer after {deadline:.0f} s", good_end
-        connection.close()
+class HalfRequests:
+    """Half requests that nobody completes, from now on: each connection is closed when the deadline (s) is over."""
+
+    def __init__(self, peer, unit, deadline):
+        self.deadline = deadline
+        good = frame(1, unit, QUESTION)
+        self.halves = [good[:1], good[:6], good[:7], good[:-1], frame(1, unit, QUESTION, 0, 7),
+                       frame(1, unit, QUESTION, 0, 254)]
+        self.ends = {}
+        self.watchers = [threading.Thread(target=self.watch, args=(peer, half), daemon=True) for half in self.halves]
+        for watcher in self.watchers:
+            watcher.start()
+
+    def watch(self, peer, half):
+        with socket.create_connection(peer, 5) as connection:
+            connection.sendall(half)
+            start = time.monotonic()
+            connection.settimeout(self.deadline + 2)
+            try:
+                self.ends[half] = connection.recv(300), time.monotonic() - start
+            except OSError as error:
+                self.ends[half] = str(error).encode(), 0
+
+    def rows(self):
+        """(sent, answer, how it ended, text, whether that is right); waits for the ends."""
+        for watcher in self.watchers:
+            watcher.join(self.deadline + 10)
+        for half in self.halves:
+            answer, spent = self.ends.get(half, (b"nothing happened", 0))
+            good = answer == b"" and spent >= 0.8 * self.deadline
+            end = CLOSED if answer == b"" else OPEN
+            yield half, answer, end, f"closed without an answer after {self.deadline:.0f} s", good

@@ -4,6 +4,7 @@ A row whose papers leave the answer open names each answer that they allow. Any 
 """
 import struct
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 from modbus import protocol as mei
 from modbus.protocol import Disagreement
@@ -15,6 +16,18 @@ class Row:
 
     request: bytes
     allowed: list
+
+
+# What a caller may tell of the objects, and how it is read: names of objects, values, nodes.
+OPTIONS = {"known": mei.object_value, "writable": mei.object_value, "absent": mei.object_name,
+           "read_only": mei.object_name, "large": mei.object_name, "wrong_node": int, "offline_node": int, "node": int,
+           "raw": bool, "offline": bool}
+
+
+def options_of(unit, objects):
+    """Of a table {name: text or number}."""
+    told = {name: OPTIONS[name](value) for name, value in objects.items()}
+    return SimpleNamespace(**{**dict.fromkeys(OPTIONS), "node": unit, "raw": True, **told}, unit=unit, conformity=0x83)
 
 
 def refused(*codes):
@@ -79,22 +92,28 @@ def stream_rows(held, conformity):
                    *refused(0x02)])
 
 
-def identification_rows(connection, options):
-    conformity = options.conformity
-    held = mei.read_stream(connection, options.unit, 3, conformity)[0]
-    yield from stream_rows(held, conformity)
+def individual_rows(held, conformity, offline):
     for number in range(0x100):
         request = mei.identification_request(mei.INDIVIDUAL, number)
         if number in held:
             yield Row(request, [("individual", ids_within(mei.INDIVIDUAL, number, conformity, held))])
-        else:
-            yield Row(request, refused(0x02))
+        else:  # 0x82 to 0x84 are asked of the drive
+            yield Row(request, refused(0x0B if offline and 0x82 <= number <= 0x84 else 0x02))
+
+
+def wrong_identification_rows():
     for code in (0x00, 0x05, 0x7F, 0x80, 0xFF):
         yield Row(mei.identification_request(code), refused(0x03))
-    yield Row(b"\x2b\x0e", refused(0x03))
-    yield Row(b"\x2b\x0e\x01", refused(0x03))
-    yield Row(b"\x2b\x0e\x01\x00\x00", refused(0x03))
-    yield Row(b"\x2b\x0e\x04\x00" + bytes(249), refused(0x03))
+    for request in (b"\x2b\x0e", b"\x2b\x0e\x01", b"\x2b\x0e\x01\x00\x00", b"\x2b\x0e\x04\x00" + bytes(249)):
+        yield Row(request, refused(0x03))
+
+
+def identification_rows(connection, options):
+    """(what it is about, rows)"""
+    held = mei.read_stream(connection, options.unit, 3, options.conformity)[0]
+    yield "a stream", stream_rows(held, options.conformity)
+    yield "each of 256 ids alone", individual_rows(held, options.conformity, options.offline)
+    yield "another access code, too short, too long", wrong_identification_rows()
 
 
 # ---- 43/13 ----
@@ -107,7 +126,7 @@ def known_rows(node, known):
 
     def read(start, count, expected, *others):
         request = mei.object_request(node, index, sub, start, count)
-        return Row(request, [head_answer(request, expected, f"{len(expected)} bytes from {start}"), *others])
+        return Row(request, [head_answer(request, expected, "the bytes asked for"), *others])
     yield read(0, 0, data)
     yield read(0, size, data)
     yield read(0, 1, data[:1])
@@ -144,15 +163,16 @@ def malformed_rows(node, index, sub):
         yield Row(mei.object_request(node, index, sub, count=count, data=b"\x00\x00"), refused(0x03))
 
 
-def absent_rows(node, index, sub):
+def absent_rows(node, index, sub, raw):
     gone = aborted(0x06020000)
+    written = [gone] if raw else refused(0x01)  # only where the drive allows objects that are no signals
     yield Row(mei.object_request(node, index, sub), [gone])
     yield Row(mei.object_request(node, index, sub, 0, 4), [gone])
-    yield Row(mei.object_request(node, index, sub, data=b"\x00\x00"), [gone])
+    yield Row(mei.object_request(node, index, sub, data=b"\x00\x00"), written)
     # Open: a count of 0 before data, no data at all, a write that does not begin at 0.
-    yield Row(mei.object_request(node, index, sub, count=0, data=b"\x00\x00"), [*refused(0x03), gone])
-    yield Row(mei.object_request(node, index, sub, data=b""), [*refused(0x03), gone])
-    yield Row(mei.object_request(node, index, sub, 2, data=b"\x00\x00"), [*refused(0x03), gone])
+    yield Row(mei.object_request(node, index, sub, count=0, data=b"\x00\x00"), [*refused(0x03), *written])
+    yield Row(mei.object_request(node, index, sub, data=b""), [*refused(0x03), *written])
+    yield Row(mei.object_request(node, index, sub, 2, data=b"\x00\x00"), [*refused(0x03), *written])
 
 
 def writable_rows(node, writable):
@@ -173,28 +193,34 @@ def large_rows(connection, options):
                          (len(whole) - 1, 1), (len(whole) - 1, 241)]:
         window = whole[start:start + min(count or 241, 241)]
         request = mei.object_request(options.node, index, sub, start, count)
-        yield Row(request, [head_answer(request, window, f"{len(window)} bytes from {start}")])
+        yield Row(request, [head_answer(request, window, "the bytes asked for")])
 
 
-def object_rows(connection, options):
-    node = options.node
-    if options.known:
-        yield from known_rows(node, options.known)
-    if options.absent:
-        yield from malformed_rows(node, *options.absent)
-        yield from absent_rows(node, *options.absent)
-    if options.writable:
-        yield from writable_rows(node, options.writable)
-    if options.read_only:
-        yield Row(mei.object_request(node, *options.read_only, data=b"\x00"), [aborted(0x06010002)])
-    if options.large:
-        yield from large_rows(connection, options)
-    if options.offline_node is not None:
-        yield Row(mei.object_request(options.offline_node, 0x1000, 0), refused(0x0B))
+def stranger_rows(options):
     # No paper names the code for a node that is not this unit's, or that no node can be.
     strangers = [0, 128, 255] + ([options.wrong_node] if options.wrong_node is not None else [])
     for stranger in strangers:
         yield Row(mei.object_request(stranger, 0x1000, 0), refused(0x02, 0x03, 0x0A, 0x0B))
+
+
+def object_rows(connection, options):
+    """(what it is about, rows)"""
+    node = options.node
+    if options.known:
+        yield "a read", known_rows(node, options.known)
+    if options.absent:
+        yield "malformed", malformed_rows(node, *options.absent)
+        yield "an object that is not there", absent_rows(node, *options.absent, options.raw)
+    if options.writable:
+        yield "a write, and what it wrote", writable_rows(node, options.writable)
+    if options.read_only:
+        yield "a write that the drive refuses", [Row(mei.object_request(node, *options.read_only, data=b"\x00"),
+                                                     [aborted(0x06010002)])]
+    if options.large:
+        yield "an object of more than 241 bytes", large_rows(connection, options)
+    if options.offline_node is not None:
+        yield "a node that is offline", [Row(mei.object_request(options.offline_node, 0x1000, 0), refused(0x0B))]
+    yield "a node that is none of this unit's", stranger_rows(options)
 
 
 def encapsulation_rows():
@@ -202,6 +228,16 @@ def encapsulation_rows():
     for kind in (0x00, 0x01, 0x0C, 0x0F, 0x7F, 0x8D, 0x8E, 0xFF):
         yield Row(bytes([0x2B, kind]), refused(0x01))
         yield Row(bytes([0x2B, kind, 0x01, 0x00]), refused(0x01))
+
+
+def all_rows(connection, options):
+    """(function, what it is about, row); a row may depend on the answers to those before."""
+    for row in encapsulation_rows():
+        yield "43", "another MEI type, or none", row
+    for group, rows in identification_rows(connection, options):
+        yield from (("43/14", group, row) for row in rows)
+    for group, rows in object_rows(connection, options):
+        yield from (("43/13", group, row) for row in rows)
 
 
 def ask(connection, unit, row):
@@ -217,10 +253,9 @@ def ask(connection, unit, row):
 def judge(connection, options):
     """Prints a line for each row; true where no answer disagrees."""
     failed = total = 0
-    for source in (encapsulation_rows(), identification_rows(connection, options), object_rows(connection, options)):
-        for row in source:
-            answer, text, good = ask(connection, options.unit, row)
-            total, failed = total + 1, failed + (not good)
-            print(f"{'ok  ' if good else 'FAIL'} {row.request.hex(' ')} -> {answer.hex(' ') or 'nothing'}: {text}")
+    for _, _, row in all_rows(connection, options):
+        answer, text, good = ask(connection, options.unit, row)
+        total, failed = total + 1, failed + (not good)
+        print(f"{'ok  ' if good else 'FAIL'} {row.request.hex(' ')} -> {answer.hex(' ') or 'nothing'}: {text}")
     print(f"{total} requests, {failed} disagreements")
     return failed == 0

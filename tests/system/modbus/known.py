@@ -4,21 +4,36 @@ import json
 from modbus.expected import Unit
 
 
+def empty_unit():
+    return {"registers": {}, "wide": {}, "commands": [], "bits": {}}
+
+
+def put_signal(unit, signal, address):
+    place = signal["modbus"]
+    unit["bits" if place["kind"] == "bit" else "registers"][str(address)] = None
+    if place["kind"] != "bit" and place["count"] > 1:
+        unit["wide"][str(address)] = place["count"]
+    if place["kind"] != "bit" and signal["access"] == "write":
+        unit["commands"] += range(address, address + place["count"])
+
+
 def from_map(tree):
     """The units of `canopen-gateway map --format json`, in the form of the caller's own JSON; no value is known."""
     units = {"0": {"gateway": True, "buses": len(tree["buses"])}}
+    bases = {str(drive["flat"]): drive["modbus_unit"] for drive in tree["drives"] if "flat" in drive}
+    flat = {**empty_unit(), "flat": bases}
     for drive in tree["drives"]:
-        unit = {"registers": {}, "wide": {}, "commands": [], "bits": {}}
+        unit = empty_unit()
         for signal in drive["signals"]:
-            place = signal["modbus"]
-            if place is None:
+            if signal["modbus"] is None:
                 continue
-            unit["bits" if place["kind"] == "bit" else "registers"][str(place["address"])] = None
-            if place["kind"] != "bit" and place["count"] > 1:
-                unit["wide"][str(place["address"])] = place["count"]
-            if place["kind"] != "bit" and signal["access"] == "write":
-                unit["commands"] += range(place["address"], place["address"] + place["count"])
-        units[str(drive["modbus_unit"])] = unit
+            put_signal(unit, signal, signal["modbus"]["address"])
+            if "flat" in signal["modbus"]:
+                put_signal(flat, signal, signal["modbus"]["flat"])
+        if drive["modbus_unit"] is not None:
+            units[str(drive["modbus_unit"])] = unit
+    if "flat_unit" in tree:
+        units[str(tree["flat_unit"])] = flat
     return units
 
 
@@ -34,7 +49,8 @@ def merge(below, above):
 def read_unit(number, given):
     def numbers(table):
         return {int(key): value for key, value in table.items()}
-    unit = Unit(**{key: numbers(value) if isinstance(value, dict) else value for key, value in given.items()})
+    unit = Unit(**{key: numbers(value) if isinstance(value, dict) and key != "objects" else value
+                   for key, value in given.items()})
     unit.commands = set(unit.commands)
     missing = [at for at in [*unit.writes, *unit.wide] if at not in unit.registers]
     if missing:
@@ -52,6 +68,8 @@ def load(*texts):
         tree = json.loads(text)
         given = merge(given, from_map(tree) if "drives" in tree else tree["units"])
     units = {int(number): read_unit(number, unit) for number, unit in given.items()}
+    for unit in units.values():
+        unit.absent = {base for base, number in (unit.flat or {}).items() if number in units and units[number].offline}
     if 0 in units:
         units.setdefault(255, units[0])
     return units

@@ -172,6 +172,18 @@ def read_individual(connection, unit, number, conformity=0x83):
 # ---- 43/13 ----
 
 
+def object_name(text):
+    """INDEX:SUB in hexadecimal digits."""
+    index, _, sub = text.partition(":")
+    return int(index, 16), int(sub or "0", 16)
+
+
+def object_value(text):
+    """INDEX:SUB=BYTES"""
+    name, _, value = text.partition("=")
+    return (*object_name(name), bytes.fromhex(value))
+
+
 def object_request(node, index, sub, start=0, count=None, data=None):
     """Data (little-endian) makes it a write; without a count a read asks for the whole object (0)."""
     if count is None:

@@ -8,7 +8,7 @@ import struct
 from modbus.expected import SUPPORTED, UNUSED
 
 NOWHERE = 5000  # never mapped
-READS = {1: "read coils", 2: "read discrete inputs", 3: "read holding registers", 4: "read input registers"}
+READS = {1: "1, 2", 2: "1, 2", 3: "3, 4", 4: "3, 4"}  # what is answered to both is one row of the table
 EDGES = [0, 1, 99, 100, 198, 199, 200, 999, 1000, 1052, 1053, 1098, 1099, 1100, 0x7FFF, 0x8000, 0xFFFE, 0xFFFF]
 
 
@@ -29,11 +29,19 @@ def read_write(read_at, read_count, write_at, write_count, data, count=None):
 def every_function(number):
     """0..255, without and with data; the data is refused or harmless for each supported function."""
     for function in range(256):
-        kind = "supported" if function in SUPPORTED else "unsupported" if function < 0x80 else "0x80 and above"
-        yield "every function", f"{kind}, no data", number, bytes([function])
-        yield "every function", f"{kind}, 4 bytes", number, bytes([function, 0, 0, 0, 1])
-    yield "every function", "largest PDU", number, bytes([100]) + bytes(252)
-    yield "every function", "largest PDU", number, bytes([255]) + bytes(252)
+        name = "all 256" if function not in SUPPORTED else READS.get(function, str(function))
+        kind = "not supported" if function < 0x80 else "from 0x80 on"
+        yield name, "too short" if function in SUPPORTED else kind, number, bytes([function])
+        yield name, "00 00 00 01" if function in SUPPORTED else kind, number, bytes([function, 0, 0, 0, 1])
+    yield "all 256", "largest PDU", number, bytes([100]) + bytes(252)
+    yield "all 256", "largest PDU", number, bytes([255]) + bytes(252)
+
+
+def edges(unit):
+    """Addresses where what is there changes, and their neighbours."""
+    offsets = (-1, 0, 199, 200, 899, 900, 952, 953, 999, 1000)
+    of_drives = [base + offset for base in unit.flat or [] for offset in offsets]
+    return sorted({*EDGES, *(at for at in of_drives if 0 <= at <= 0xFFFF)})
 
 
 def reads(number, unit):
@@ -42,16 +50,16 @@ def reads(number, unit):
         for quantity in (0, largest + 1, 0x8000, 0xFFFF):
             for address in (0, 1000, NOWHERE, 0xFFFF):
                 yield name, "quantity out of range", number, pdu(function, address, quantity)
-        for address in EDGES:
+        for address in edges(unit):
             for quantity in (1, 2, 16, largest):
-                yield name, f"quantity {quantity} at an edge", number, pdu(function, address, quantity)
+                yield name, f"quantity {quantity}, at edges", number, pdu(function, address, quantity)
         for quantity, group in [(largest - 1, "up to the last address"), (largest, "up to the last address"),
                                 (largest - 2, "beyond the last address")]:
             yield name, group, number, pdu(function, 0x10000 - quantity, min(quantity + 1, largest))
         for size in range(2, 5):
-            yield name, "short", number, pdu(function, 0, 1)[:size]
+            yield name, "too short", number, pdu(function, 0, 1)[:size]
         for extra in (1, 2, 248):
-            yield name, "long", number, pdu(function, 0, 1) + bytes(extra)
+            yield name, "too long", number, pdu(function, 0, 1) + bytes(extra)
         for address in sorted(unit.bits if function <= 2 else unit.registers):
             words = 1 if function <= 2 else unit.wide.get(address, 1)
             yield name, "each known address", number, pdu(function, address, words)
@@ -61,7 +69,9 @@ def unwritable(unit):
     """Registers that nobody may write: unmapped, unused and read-only ones; never 100..103, 20, 1020."""
     unused = next((at for at in range(20, 100) if at != 20 and unit.word(at) == UNUSED), NOWHERE)
     addresses = [0, 1, unused, 199, NOWHERE, 0xFFFF]
-    if not unit.gateway:
+    if unit.flat is not None:
+        addresses += [base + offset for base in unit.flat for offset in (0, 198, 900, 917, 919, 921, 940, 999)]
+    elif not unit.gateway:
         addresses += [1000, 1017, 1019, 1021, 1040, 1099, 1100]
     return [at for at in addresses if at not in unit.writes and at not in unit.commands]
 
@@ -70,21 +80,21 @@ def refused_bit_writes(number, unit):
     bits = [at for at in (0, 1, 5, 199, NOWHERE, 0xFFFF) if at not in unit.bit_writes]
     for address in bits:
         for value in (0x0000, 0xFF00):
-            yield "write single coil", "not writable", number, pdu(5, address, value)
+            yield "5", "not writable", number, pdu(5, address, value)
         for value in (0x0001, 0x00FF, 0xFF01, 0xFFFF, 0x8000):
-            yield "write single coil", "neither 0000 nor FF00", number, pdu(5, address, value)
-        yield "write multiple coils", "not writable", number, write_many(15, address, 1, b"\x00")
+            yield "5", "neither 0000 nor FF00", number, pdu(5, address, value)
+        yield "15", "not writable", number, write_many(15, address, 1, b"\x00")
     for quantity, size in [(0, 0), (0, 1), (1969, 247), (0x8000, 0), (0xFFFF, 8)]:
-        yield "write multiple coils", "quantity out of range", number, write_many(15, NOWHERE, quantity, bytes(size))
-    yield "write multiple coils", "largest quantity", number, write_many(15, NOWHERE, 1968, bytes(246))
-    yield "write multiple coils", "beyond the last address", number, write_many(15, 0xFFFF, 2, b"\x00")
+        yield "15", "quantity out of range", number, write_many(15, NOWHERE, quantity, bytes(size))
+    yield "15", "largest quantity", number, write_many(15, NOWHERE, 1968, bytes(246))
+    yield "15", "beyond the last address", number, write_many(15, 0xFFFF, 2, b"\x00")
     yield from lies(15, number, 9, 2)
     yield from misshapen(5, number, pdu(5, NOWHERE, 0xFF00))
 
 
 def lies(function, number, quantity, size):
     """Byte counts that do not agree with the quantity, or with what follows."""
-    name = {15: "write multiple coils", 16: "write multiple registers"}[function]
+    name = str(function)
     for count in (0, size - 1, size + 1, 255):
         yield name, "lying byte count", number, write_many(function, NOWHERE, quantity, bytes(size), count)
     for follow in (0, size - 1, size + 1):
@@ -96,31 +106,31 @@ def lies(function, number, quantity, size):
 
 def misshapen(function, number, request):
     for size in range(1, len(request)):
-        yield f"function {function}, shape", "short", number, request[:size]
+        yield str(function), "too short", number, request[:size]
     for extra in (1, 2, 64):
-        yield f"function {function}, shape", "long", number, request + bytes(extra)
+        yield str(function), "too long", number, request + bytes(extra)
 
 
 def refused_word_writes(number, unit):
     for address in unwritable(unit):
         for value in (0, 1, 0xFFFF):
-            yield "write single register", "not writable", number, pdu(6, address, value)
-        yield "write multiple registers", "not writable", number, write_many(16, address, 1, b"\0\0")
-        yield "mask write register", "not writable", number, pdu(22, address, 0xFFFF, 0)
-        yield "read/write registers", "write not writable", number, read_write(0, 1, address, 1, b"\0\0")
+            yield "6", "not writable", number, pdu(6, address, value)
+        yield "16", "not writable", number, write_many(16, address, 1, b"\0\0")
+        yield "22", "not writable", number, pdu(22, address, 0xFFFF, 0)
+        yield "23", "write not writable", number, read_write(0, 1, address, 1, b"\0\0")
     for quantity, size in [(0, 0), (0, 2), (124, 246), (124, 0), (0x8000, 0), (0xFFFF, 2)]:
         request = write_many(16, NOWHERE, quantity, bytes(size))
-        yield "write multiple registers", "quantity out of range", number, request
-    yield "write multiple registers", "largest quantity", number, write_many(16, NOWHERE, 123, bytes(246))
-    yield "write multiple registers", "beyond the last address", number, write_many(16, 0xFFFF, 2, bytes(4))
-    yield "write multiple registers", "beyond the last address", number, write_many(16, 0xFF86, 123, bytes(246))
+        yield "16", "quantity out of range", number, request
+    yield "16", "largest quantity", number, write_many(16, NOWHERE, 123, bytes(246))
+    yield "16", "beyond the last address", number, write_many(16, 0xFFFF, 2, bytes(4))
+    yield "16", "beyond the last address", number, write_many(16, 0xFF86, 123, bytes(246))
     yield from lies(16, number, 2, 4)
     yield from misshapen(6, number, pdu(6, NOWHERE, 0))
     yield from misshapen(22, number, pdu(22, NOWHERE, 0, 0))
 
 
 def refused_read_writes(number):
-    name = "read/write registers"
+    name = "23"
     for read_count, write_count in [(0, 1), (126, 1), (0xFFFF, 1), (1, 0), (1, 122), (1, 0xFFFF), (0, 0)]:
         data = bytes(2 * min(write_count, 121))
         yield name, "quantity out of range", number, read_write(0, read_count, NOWHERE, write_count, data)
@@ -136,15 +146,15 @@ def refused_read_writes(number):
 
 
 def encapsulated(number):
-    """Function 43 as far as no drive is asked; its two kinds have a judge of their own."""
+    """Function 43 as far as no drive is asked; the rest is judge.py."""
     for kind in (0x00, 0x0C, 0x0F, 0x8E, 0xFF):
-        yield "encapsulated interface", "unknown MEI type", number, bytes([43, kind, 1, 0])
+        yield "43", "another MEI type", number, bytes([43, kind, 1, 0])
     for code in range(1, 5):
-        yield "encapsulated interface", "identification", number, bytes([43, 14, code, 0])
+        yield "43/14", "basic, regular, extended, individual", number, bytes([43, 14, code, 0])
     for code in (0, 5, 0xFF):
-        yield "encapsulated interface", "unknown access", number, bytes([43, 14, code, 0])
+        yield "43/14", "another access code", number, bytes([43, 14, code, 0])
     for body in (b"\x0e", b"\x0e\x01", b"\x0e\x01\x00\x00", b"\x0d", b"\x0d\x00\x00\x01"):
-        yield "encapsulated interface", "short or long", number, b"\x2b" + body
+        yield "43", "too short or too long", number, b"\x2b" + body
 
 
 def allowed_writes(number, unit):
@@ -156,28 +166,40 @@ def allowed_writes(number, unit):
             if size == 1 and last is not None:  # bits of the or-mask count only where the and-mask has a 0
                 kept = last ^ words[0] ^ 0xFFFF
                 request = pdu(22, address, kept, words[0] ^ kept)
-                yield "allowed writes", "function 22, from another value", number, request
-                yield "allowed writes", "read back", number, pdu(3, address, size)
-            yield "allowed writes", "function 16", number, write_many(16, address, size, data)
-            yield "allowed writes", "read back", number, pdu(3, address, size)
+                yield "22", "some bits", number, request
+                yield "3, 4", "what was written", number, pdu(3, address, size)
+            yield "16", "allowed value", number, write_many(16, address, size, data)
+            yield "3, 4", "what was written", number, pdu(3, address, size)
             if size == 1:
                 last = words[0]
-                yield "allowed writes", "function 6", number, pdu(6, address, words[0])
-                yield "allowed writes", "function 22, same", number, pdu(22, address, 0xFFFF, 0xFFFF)
-                yield "allowed writes", "function 22, new", number, pdu(22, address, 0, words[0])
-                yield "allowed writes", "read back", number, pdu(3, address, size)
+                yield "6", "allowed value", number, pdu(6, address, words[0])
+                yield "22", "no bit", number, pdu(22, address, 0xFFFF, 0xFFFF)
+                yield "22", "all bits", number, pdu(22, address, 0, words[0])
+                yield "3, 4", "what was written", number, pdu(3, address, size)
             for half in range(address, address + size) if size > 1 else ():
-                yield "allowed writes", "half of a wide value", number, pdu(6, half, words[half - address])
-                yield "allowed writes", "half of a wide value", number, write_many(16, half, 1, b"\0\0")
-                yield "allowed writes", "half of a wide value", number, pdu(22, half, 0xFFFF, 0)
-            yield "allowed writes", "function 23", number, read_write(address, size, address, size, data)
-            yield "allowed writes", "read back", number, pdu(4, address, size)
+                yield "6", "half of a wide value", number, pdu(6, half, words[half - address])
+                yield "16", "half of a wide value", number, write_many(16, half, 1, b"\0\0")
+                yield "22", "half of a wide value", number, pdu(22, half, 0xFFFF, 0)
+            yield "23", "allowed value", number, read_write(address, size, address, size, data)
+            yield "3, 4", "what was written", number, pdu(4, address, size)
+        yield from refused_values(number, unit, address)
     for address, choices in sorted(unit.bit_writes.items()):
         for value in choices:
-            yield "allowed writes", "function 5", number, pdu(5, address, 0xFF00 if value else 0)
-            yield "allowed writes", "function 15", number, write_many(15, address, 1, bytes([value]))
-            yield "allowed writes", "read back", number, pdu(1, address, 1)
+            yield "5", "allowed value", number, pdu(5, address, 0xFF00 if value else 0)
+            yield "15", "allowed value", number, write_many(15, address, 1, bytes([value]))
+            yield "1, 2", "what was written", number, pdu(1, address, 1)
     yield from command_block(number, unit)
+
+
+def refused_values(number, unit, address):
+    """Values that a writable address does not take, of which the caller knows the answer, and what it holds then."""
+    for words, _ in unit.refused.get(address, []):
+        data, size = struct.pack(f">{len(words)}H", *words), len(words)
+        if size == 1:
+            yield "6", "refused value", number, pdu(6, address, words[0])
+        yield "16", "refused value", number, write_many(16, address, size, data)
+        yield "23", "refused value", number, read_write(address, size, address, size, data)
+        yield "3, 4", "what was written", number, pdu(3, address, size)
 
 
 def command_block(number, unit):
@@ -186,21 +208,24 @@ def command_block(number, unit):
     if unused is None or 100 not in unit.writes or any(at not in unit.writes for at in range(101, unused)):
         return
     words = [unit.writes[at][-1][0] for at in range(100, unused)]
-    for last, group in [(0, "unused command register takes 0"), (1, "and nothing else")]:
+    for last, group in [(0, "0 to an unused command register, beside 100"), (1, "1 to it")]:
         data = struct.pack(f">{len(words) + 1}H", *words, last)
-        yield "allowed writes", group, number, write_many(16, 100, len(words) + 1, data)
-        yield "allowed writes", group, number, read_write(100, len(words) + 1, 100, len(words) + 1, data)
-    yield "allowed writes", "and not without 100", number, write_many(16, unused, 1, b"\0\0")
-    yield "allowed writes", "and not without 100", number, pdu(6, unused, 0)
+        yield "16", group, number, write_many(16, 100, len(words) + 1, data)
+        yield "23", group, number, read_write(100, len(words) + 1, 100, len(words) + 1, data)
+    yield "16", "0 to it without 100", number, write_many(16, unused, 1, b"\0\0")
+    yield "6", "0 to it without 100", number, pdu(6, unused, 0)
 
 
 def all_requests(units):
     for number in range(256):
-        yield "units", "known" if number in units else "unknown", number, pdu(3, 0, 1)
-        yield "units", "known" if number in units else "unknown", number, pdu(16, NOWHERE, 1) + b"\x02\0\0"
+        known = "of a unit" if number in units else "of no unit"
+        yield "3, 4", known, number, pdu(3, 0, 1)
+        yield "16", known, number, pdu(16, NOWHERE, 1) + b"\x02\0\0"
     strangers = [number for number in (1, 100, 200, 247, 248, 254) if number not in units][-1:]
-    for number in [*units, *strangers]:
+    for number in units:
         yield from every_function(number)
+    for number in strangers:
+        yield from ((section, "of no unit", number, request) for section, _, number, request in every_function(number))
     for number, unit in units.items():
         yield from reads(number, unit)
         yield from refused_bit_writes(number, unit)

@@ -1,18 +1,16 @@
-"""The conformance run and its Markdown table."""
-from modbus import frames, requests
+"""The conformance run and its Markdown table: `*` marks answers for which the papers leave a choice."""
+from modbus import frames, judge, requests
 from modbus.expected import WRITES, Masked, expected, remember_write
 from modbus.judge import Row, ask
 from modbus.protocol import Connection
 
 GIVE_UP = 20  # requests in a row; a server that is gone need not be asked ten thousand times
-PREFACE = """Where the header does not matter, a request is the unit and the PDU, an answer the PDU;
-their headers are right: the transaction id comes back, the protocol id is 0, the length agrees.
-Bytes that move are dots."""
-SECTION_HEAD = "| | request | answer | why |\n|---|---|---|---|"
+HEAD = """| function | request | for example | answer | requests |
+|---|---|---|---|---|"""
 
 
 def shorten(data):
-    return data.hex(" ") if len(data) <= 20 else f"{data[:16].hex(' ')} … ({len(data)} bytes)"
+    return data.hex(" ") if len(data) <= 12 else f"{data[:10].hex(' ')} … ({len(data)} bytes)"
 
 
 def shown(answer, row):
@@ -20,40 +18,40 @@ def shown(answer, row):
     for _, rule in row.allowed:
         if isinstance(rule, Masked) and len(rule.value) == len(answer):
             text = rule.show(answer)
-            return text if len(answer) <= 20 else f"{text[:47]} … ({len(answer)} bytes)"
+            return text if len(answer) <= 12 else f"{text[:29]} … ({len(answer)} bytes)"
     return shorten(answer)
 
 
 class Table:
-    """Collects the rows; prints the first of each group, every open one once, and each disagreement."""
+    """Collects the rows; prints each disagreement, or everything."""
 
     def __init__(self, everything):
         self.everything = everything
-        print(PREFACE)
-        self.section, self.groups = None, {}
+        self.groups = {}  # (section, group, what was answered): [example, requests]
         self.total = self.failed = self.open = 0
 
     def add(self, section, group, request, answer, text, good):
         self.total, self.failed = self.total + 1, self.failed + (not good)
         self.open += text.startswith("either")
-        key = (section, group, text if good else None)
-        shown_before = self.groups.get(key, 0)
-        self.groups[key] = shown_before + 1
-        if shown_before and good and not self.everything:
-            return
-        if section != self.section:
-            print(f"\n### {section[0].upper()}{section[1:]}\n\n{SECTION_HEAD}")
-            self.section = section
-        mark = "ok" if good else "**no**"
-        print(f"| {mark} | `{request}` | `{answer or 'nothing'}` | {group}: {text} |")
+        told = text.replace("either, here: ", "* ") if good else "**wrong**"
+        example = f"`{request}` | `{answer or 'nothing'}`, {told}"
+        self.groups.setdefault((section, group, told), [example, 0])[1] += 1
+        if self.everything or not good:
+            print(f"{'ok  ' if good else 'FAIL'} {section}, {group}: {request} -> {answer or 'nothing'}: {text}")
 
     def summary(self):
-        print(f"\n{self.total} requests, {self.failed} disagreements, {self.open} where the papers leave it open.\n")
-        if not self.everything:
-            print("Rows of one group that were answered alike stand here once; how many there were:\n")
-            print("| section | group | answered | requests |\n|---|---|---|---|")
-            for (section, group, text), count in self.groups.items():
-                print(f"| {section} | {group} | {text or '**no**'} | {count} |")
+        print(f"{self.total} requests, {self.failed} disagreements, {self.open} where the papers leave it open")
+
+    def markdown(self):
+        """A row for each group and answer; what belongs to one section stands together."""
+        def place(section):  # by function; what is no function stays behind, in its order
+            number = section.replace(",", " ").replace("/", " ").split()[0]
+            return int(number) if number.isdecimal() else 256
+        sections = sorted(dict.fromkeys(section for section, _, _ in self.groups), key=place)
+        rows = [f"| {section} | {group} | {example} | {count} |"
+                for wanted in sections
+                for (section, group, _), (example, count) in self.groups.items() if section == wanted]
+        return "\n".join([HEAD, *rows]) + "\n"
 
 
 def run_requests(peer, units, table, patience):
@@ -73,11 +71,24 @@ def run_requests(peer, units, table, patience):
     connection.close()
 
 
+def run_objects(peer, units, table, patience):
+    """Function 43 of each unit of whose objects something is known."""
+    for number, unit in units.items():
+        if not unit.objects:
+            continue
+        connection = Connection(*peer, patience)
+        for section, group, row in judge.all_rows(connection, judge.options_of(number, unit.objects)):
+            answer, text, good = ask(connection, number, row)
+            table.add(section, group, shorten(bytes([number]) + row.request), shorten(answer), text, good)
+        connection.close()
+
+
 def run_frames(peer, units, options, table):
     """Segments, each on its own connection; a neighbour that was there before is served all the while."""
     unit = next(iter(units))
     stranger = next(number for number in range(254, 0, -1) if number not in units)
     neighbour = Connection(*peer, options.patience)
+    halves = frames.HalfRequests(peer, unit, options.half_request_deadline)
     question = Row(frames.QUESTION, [("the neighbour is served", frames.REFUSAL)])
     for segments in frames.all_segments(unit, stranger):
         answer, end, text, good = frames.run_segments(peer, segments, options.quiet, options.patience)
@@ -87,7 +98,7 @@ def run_frames(peer, units, options, table):
         _, text, good = ask(neighbour, unit, question)
         if not good:
             table.add(segments.section, "neighbour", question.request.hex(" "), "", text, False)
-    for half, answer, end, text, good in frames.half_request_rows(peer, unit, options.half_request_deadline):
+    for half, answer, end, text, good in halves.rows():
         table.add("half requests", "nobody completes them", half.hex(" "), f"{answer.hex(' ')}{end}", text, good)
     answer, text, good = ask(neighbour, unit, question)
     table.add("half requests", "meanwhile", question.request.hex(" "), answer.hex(" "), text, good)
