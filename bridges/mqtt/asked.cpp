@@ -57,7 +57,7 @@ bool asks_to_read(const Route& route, const Parsed& parsed) {
   if (route.kind != Route::Kind::sdo || parsed.members.has_error()) {
     return false;
   }
-  const std::string* const op = find_string(parsed.members.value(), "op");
+  const std::string* const op = text::find_string(parsed.members.value(), "op");
   return op != nullptr && *op == "read";
 }
 

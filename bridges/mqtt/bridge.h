@@ -17,7 +17,7 @@
 #include "bridges/mqtt/leftovers.h"
 #include "bridges/mqtt/notice.h"
 #include "bridges/mqtt/other_gateway.h"
-#include "bridges/mqtt/put_right.h"
+#include "bridges/mqtt/put_right_tally.h"
 #include "bridges/mqtt/requests.h"
 #include "bridges/mqtt/session.h"
 #include "bridges/mqtt/status_topic.h"
@@ -75,6 +75,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_taken_over() override;
   void on_disconnected(const std::string& why) override;
   void on_subscribed(const Subscribed& subscribed) override;
+  void on_unsubscribed(const std::string& filter) override;
   void on_message(Incoming message) override;
   [[nodiscard]] bool is_stop(const Incoming& message) const override { return requests_.is_stop(message); }
 

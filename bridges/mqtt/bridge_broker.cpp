@@ -41,6 +41,11 @@ void Bridge::on_subscribed(const Subscribed& subscribed) {
   health_may_differ();
 }
 
+void Bridge::on_unsubscribed(const std::string& /*filter*/) {
+  session_.unsubscribed(canopen::Clock::now());  // nothing else is ever given back
+  wake(session_.deadline());
+}
+
 void Bridge::on_message(Incoming message) {
   // A stop counts however it comes: carried out twice it does no harm, lost it does.
   if (session_.sets_aside(message, canopen::Clock::now()) && !requests_.is_stop(message)) {

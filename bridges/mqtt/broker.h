@@ -56,6 +56,8 @@ class BrokerEvents {
   virtual void on_disconnected(const std::string& why) = 0;
   /// The answer to one of the subscriptions of subscribe(). None comes where the connection goes first.
   virtual void on_subscribed(const Subscribed& subscribed) = 0;
+  /// It has ended. Not told where the connection goes first, or the broker refuses to.
+  virtual void on_unsubscribed(const std::string& filter) = 0;
   virtual void on_message(Incoming message) = 0;
   /// From any thread, until stop(): the message is a command that stops a motor, to be lost last.
   [[nodiscard]] virtual bool is_stop(const Incoming& message) const = 0;
@@ -73,8 +75,8 @@ class Broker {
   /// `events` outlives the broker's stop().
   virtual void start(BrokerEvents& events) = 0;
   virtual void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) = 0;
-  /// Ends subscriptions. What is on its way still comes; no answer does.
-  virtual void unsubscribe(ConnectionId connection, std::vector<std::string> filters) = 0;
+  /// Ends a subscription. What is on its way still comes, before on_unsubscribed().
+  virtual void unsubscribe(ConnectionId connection, std::string filter) = 0;
   /// Keeps the messages until they can leave, of each retained topic the newest. What is retained is lost with the
   /// connection: the next one begins with everything.
   virtual void publish(std::vector<Message> batch) = 0;
@@ -86,7 +88,7 @@ class Broker {
   /// Another client may have our client id: the attempt after this connection waits as after a take-over.
   virtual void suspect_takeover(ConnectionId connection) = 0;
   [[nodiscard]] virtual BrokerCounts counts() const = 0;
-  /// False: the thread that serves the broker, or what it calls, stands still.
+  /// False: the thread that serves the broker, or what it calls, stands still, or what could leave does not.
   [[nodiscard]] virtual bool alive() const = 0;
   /// Publishes what is left and then `last`, disconnects and ends, all within a few seconds.
   virtual boost::asio::awaitable<void> stop(std::vector<Message> last) = 0;

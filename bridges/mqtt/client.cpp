@@ -166,7 +166,7 @@ class Client::Body final : private callback {
                       settings_.version >= MQTTVERSION_5 ? options_of(subscription) : subscribe_options());
   }
 
-  void unsubscribe(const std::string& filter) { client_.unsubscribe(filter); }
+  void unsubscribe(const std::string& filter) { client_.unsubscribe(filter, nullptr, unsubscribing_); }
 
   void disconnect(std::chrono::milliseconds patience, bool say_will) {
     if (say_will) {
@@ -209,9 +209,13 @@ class Client::Body final : private callback {
     was_answered(done, code);
   }
 
-  void was_answered(const token& done, int code) {
+  static std::string filter_of(const token& done) {
     const auto topics = done.get_topics();
-    Subscribed subscribed{.filter = topics && !topics->empty() ? (*topics)[0] : std::string()};
+    return topics && !topics->empty() ? (*topics)[0] : std::string();
+  }
+
+  void was_answered(const token& done, int code) {
+    Subscribed subscribed{.filter = filter_of(done)};
     if (is_failure(code)) {
       subscribed.refused = reason_text(code);
     }
@@ -244,6 +248,8 @@ class Client::Body final : private callback {
                        [this](const token& done) { was_sent(done, false); }};
   Listener subscribing_{[this](const token& done) { was_granted(done); },
                         [this](const token& done) { was_not_granted(done); }};
+  Listener unsubscribing_{[this](const token& done) { events_.on_unsubscribed(filter_of(done)); },
+                          [](const token&) {}};  // whoever waits for it gives up
   Shelf shelf_;
   async_client client_;  ///< The last member: gone before what it calls.
 };

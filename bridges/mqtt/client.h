@@ -61,6 +61,7 @@ class ClientEvents {
   /// `code`: of PUBACK.
   virtual void on_sent(const Message* message, Delivery delivery, int code) noexcept = 0;
   virtual void on_subscribed(Subscribed&& subscribed) noexcept = 0;
+  virtual void on_unsubscribed(const std::string& filter) noexcept = 0;
 
  protected:
   ~ClientEvents() = default;

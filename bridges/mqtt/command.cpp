@@ -1,9 +1,10 @@
 #include "bridges/mqtt/command.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
-#include "bridges/mqtt/number_text.h"
+#include "bridges/text/number_text.h"
 
 namespace mqtt {
 namespace {
@@ -32,9 +33,37 @@ Scalar plain_scalar(std::string_view text) {
   if (text == "true" || text == "false") {
     return {Scalar::Kind::boolean, std::string(text)};
   }
-  const Result<double> number = number_of(text);
+  const Result<double> number = text::number_of(text);
   const bool numeric = number.has_value() || number.error().kind == ErrorKind::range;
   return {numeric ? Scalar::Kind::number : Scalar::Kind::string, std::string(text)};
+}
+
+// A fraction or an exponent makes it no integer.
+bool is_integer(std::string_view text) {
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string_view::npos;
+}
+
+// Of digits, so all that can be wrong is the size, or a minus where there is no sign.
+template <class Integer>
+Result<process::GivenValue> integer_of(std::string_view text) {
+  Integer value{};
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc{}) {
+    return Error{.kind = ErrorKind::range, .detail = std::string(text) + " is out of the type's range"};
+  }
+  return process::GivenValue(static_cast<Raw>(value));
+}
+
+// A whole number in a 64-bit integer type, which a double would round, is its raw value.
+Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text) {
+  if (type == canopen::DataType::i64 && is_integer(text)) {
+    return integer_of<std::int64_t>(text);
+  }
+  if (type == canopen::DataType::u64 && is_integer(text)) {
+    return integer_of<std::uint64_t>(text == "-0" ? "0" : text);
+  }
+  const Result<double> number = text::number_of(text);
+  return number.has_value() ? Result<process::GivenValue>(number.value()) : number.error();
 }
 
 // Moves the id out of the members.
@@ -46,7 +75,7 @@ void take_id(Parsed& parsed) {
   }
   const Scalar value = std::move(id->second);
   members.erase(id);
-  if (const auto echoed = echoed_id(value)) {
+  if (const auto echoed = text::echoed_id(value)) {
     parsed.id = *echoed;
     parsed.id_text = value.text;
   } else {
@@ -129,7 +158,7 @@ Parsed parse_object_payload(std::string_view payload) {
   if (payload.size() > kMaxCommand) {
     return {{}, type_error("the payload is longer than " + std::to_string(kMaxCommand) + " bytes")};
   }
-  Parsed parsed{{}, parse_flat(payload)};
+  Parsed parsed{{}, text::parse_flat(payload)};
   if (parsed.members.has_value()) {
     take_id(parsed);
   }
@@ -187,7 +216,7 @@ Fields fields_of(const config::Drive& drive, const FlatObject& members) {
 }
 
 Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members) {
-  const std::string* const name = find_string(members, "value");
+  const std::string* const name = text::find_string(members, "value");
   const auto command = name != nullptr ? canopen::parse_nmt_command(*name) : std::nullopt;
   if (!command) {
     return Error{.kind = ErrorKind::unknown,
@@ -202,25 +231,25 @@ Result<SdoRequest> sdo_request_of(const FlatObject& members) {
   if (const auto unknown = unknown_member(members, {"op", "object", "type", "value"})) {
     return *unknown;
   }
-  const std::string* const op = find_string(members, "op");
+  const std::string* const op = text::find_string(members, "op");
   if (op == nullptr) {
     return type_error("\"op\" is to be a string");
   }
   if (*op != "read" && *op != "write") {
     return Error{.kind = ErrorKind::unknown, .detail = "\"op\" is to be \"read\" or \"write\""};
   }
-  const std::string* const object = find_string(members, "object");
+  const std::string* const object = text::find_string(members, "object");
   const auto address = object != nullptr ? canopen::parse_object(*object) : std::nullopt;
   if (!address) {
     return type_error("\"object\" is to be an address like \"0x2002:03\"");
   }
-  const std::string* const type = find_string(members, "type");
+  const std::string* const type = text::find_string(members, "type");
   const auto data_type = type != nullptr ? canopen::parse_type(*type) : std::nullopt;
   if (!data_type) {
     return type_error("\"type\" is to be one of bool, u8, u16, u32, u64, i8, i16, i32, i64, f32, f64");
   }
   SdoRequest request{*address, *data_type, std::nullopt};
-  const Scalar* const value = find_member(members, "value");
+  const Scalar* const value = text::find_member(members, "value");
   if (*op == "read") {
     return value == nullptr ? Result<SdoRequest>(request) : type_error("a read has no \"value\"");
   }

@@ -5,12 +5,15 @@
 #include <string_view>
 #include <vector>
 
-#include "bridges/mqtt/flat_json.h"
 #include "bridges/process/drive.h"
+#include "bridges/text/flat_json.h"
 #include "canopen/error.h"
 #include "config/model.h"
 
 namespace mqtt {
+
+using text::FlatObject;
+using text::Scalar;
 
 /// Longer payloads are refused as `type` unread.
 inline constexpr std::size_t kMaxCommand = 16UL * 1024;

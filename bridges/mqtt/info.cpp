@@ -2,6 +2,8 @@
 
 #include <optional>
 #include <ranges>
+#include <string>
+#include <vector>
 
 #include "bridges/text/json_text.h"
 #include "canopen/object.h"
@@ -41,6 +43,21 @@ void append_signal(std::string& out, const config::Signal& signal, const std::st
   object.close();
 }
 
+// Those whose layout nobody wrote and nobody can read: what they carry is what the profile says.
+void append_assumed(std::string& out, const config::Drive& drive) {
+  std::vector<std::string> assumed;
+  const auto add = [&assumed](std::string_view kind, const std::vector<canopen::PdoSettings>& pdos) {
+    for (const canopen::PdoSettings& pdo : pdos) {
+      if (pdo.mapping_policy == canopen::SetupPolicy::assume) {
+        assumed.push_back(std::string(kind) + std::to_string(pdo.number));
+      }
+    }
+  };
+  add("TPDO", drive.node.tpdos);
+  add("RPDO", drive.node.rpdos);
+  text::append_list(out, assumed, [](std::string& list, const std::string& name) { text::append_quoted(list, name); });
+}
+
 void append_drive(std::string& out, const config::Model& model, const config::Drive& drive, const DriveTopics& topics) {
   text::ObjectText object(out);
   object.text("name", drive.name);
@@ -49,6 +66,7 @@ void append_drive(std::string& out, const config::Model& model, const config::Dr
   object.text("profile", drive.profile);
   object.integer("modbus_unit", drive.unit);
   object.boolean("commands", drive.commands.writers.mqtt);
+  append_assumed(object.key("assumed_pdos"), drive);
   text::append_list(
       object.key("signals"), std::views::iota(std::size_t{0}, drive.signals.size()),
       [&](std::string& list, std::size_t i) { append_signal(list, drive.signals[i], topics.signals.at(i)); });

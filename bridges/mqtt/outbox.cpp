@@ -40,9 +40,9 @@ const Message* Outbox::front(TimePoint now, const Holds& holds) {
   return next == waiting_.end() ? nullptr : &next->second.messages.front();
 }
 
-std::optional<Outbox::Item> Outbox::pop(TimePoint now, const Holds& holds) {
+std::optional<Outbox::Item> Outbox::pop(TimePoint now, const Holds& holds, const Holds& may_leave) {
   const auto next = first(now, holds);
-  if (next == waiting_.end()) {
+  if (next == waiting_.end() || (may_leave && !may_leave(next->second.messages.front()))) {
     return std::nullopt;
   }
   Waiting& waiting = next->second;

@@ -44,7 +44,8 @@ class Outbox {
   void push(std::vector<Message> batch, TimePoint now);
   /// What pop() gives; nullptr where nothing may leave.
   [[nodiscard]] const Message* front(TimePoint now, const Holds& holds = nullptr);
-  [[nodiscard]] std::optional<Item> pop(TimePoint now, const Holds& holds = nullptr);
+  /// `may_leave`: asked of what front() gives; without leave nothing goes.
+  [[nodiscard]] std::optional<Item> pop(TimePoint now, const Holds& holds = nullptr, const Holds& may_leave = nullptr);
   /// An answer that left and may not have arrived, because its connection went.
   void put_back(Item answer, TimePoint now);
   /// The next connection begins with everything that is retained.

@@ -44,12 +44,10 @@ void Publisher::subscribe(ConnectionId connection, std::vector<Subscription> sub
   wake_.notify_one();
 }
 
-void Publisher::unsubscribe(ConnectionId connection, std::vector<std::string> filters) {
+void Publisher::unsubscribe(ConnectionId connection, std::string filter) {
   const Guard lock(mutex_);
-  for (std::string& filter : filters) {
-    if (connection == line_.connection) {
-      line_.orders.push_back({.subscription = {.filter = std::move(filter)}, .ends = true});
-    }
+  if (connection == line_.connection) {
+    line_.orders.push_back({.subscription = {.filter = std::move(filter)}, .ends = true});
   }
   wake_.notify_one();
 }
@@ -65,7 +63,7 @@ void Publisher::publish(std::vector<Message> batch) {
 void Publisher::open(ConnectionId connection) {
   const Guard lock(mutex_);
   if (connection == line_.connection && line_.is_up() && !finishing_) {
-    traffic_.open(Clock::now());
+    traffic_.open();
   }
   wake_.notify_one();
 }
@@ -90,8 +88,7 @@ BrokerCounts Publisher::counts() const {
 
 bool Publisher::alive() const {
   const Guard lock(mutex_);
-  const auto now = Clock::now();
-  return now < silent_from_ && !(line_.is_up() && traffic_.stuck(now));
+  return Clock::now() < silent_from_;
 }
 
 boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {
@@ -156,6 +153,10 @@ void Publisher::on_subscribed(Subscribed&& subscribed) noexcept {
   if (line_.is_up()) {  // else it failed because the connection went
     loop_->post([this, answer = std::move(subscribed)] { events_->on_subscribed(answer); });
   }
+}
+
+void Publisher::on_unsubscribed(const std::string& filter) noexcept {
+  loop_->post([this, filter] { events_->on_unsubscribed(filter); });
 }
 
 void Publisher::say(Level level, std::string text) {

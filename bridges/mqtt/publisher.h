@@ -52,7 +52,7 @@ class Publisher final : public Broker, private ClientEvents {
 
   void start(BrokerEvents& events) override;
   void subscribe(ConnectionId connection, std::vector<Subscription> subscriptions) override;
-  void unsubscribe(ConnectionId connection, std::vector<std::string> filters) override;
+  void unsubscribe(ConnectionId connection, std::string filter) override;
   void publish(std::vector<Message> batch) override;
   void open(ConnectionId connection) override;
   void drop(ConnectionId connection, std::string why) override;
@@ -76,6 +76,7 @@ class Publisher final : public Broker, private ClientEvents {
   void on_incoming(Incoming&& message) noexcept override;
   void on_sent(const Message* message, Delivery delivery, int code) noexcept override;
   void on_subscribed(Subscribed&& subscribed) noexcept override;
+  void on_unsubscribed(const std::string& filter) noexcept override;
 
   // The thread's work.
   void run();

@@ -146,7 +146,9 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
 Line::End Publisher::serve() {
   Lock lock(mutex_);
   for (;;) {
-    expect_sign_of_life(kSilence);
+    if (!traffic_.may_send(Clock::now())) {
+      expect_sign_of_life(kSilence);  // what could leave and does not is no sign of life; send() gives it
+    }
     wake_.wait_for(lock, kStallCheck, [this] { return has_work(); });
     line_.stalled = traffic_.stalled(Clock::now());
     if (!line_.is_up() || line_.stalled) {

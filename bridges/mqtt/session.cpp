@@ -49,7 +49,7 @@ void Session::lost() {
 
 std::string Session::unanswered() const {
   if (phase_ == Phase::looking) {
-    return topics_.tree_subscription().filter;
+    return answered_ ? std::string() : topics_.tree_subscription().filter;
   }
   // Brokers answer in order.
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [](const Entry& each) {
@@ -67,7 +67,7 @@ void Session::ask(Phase phase, std::vector<Subscription> subscriptions, canopen:
 }
 
 bool Session::sets_aside(const Incoming& message, canopen::TimePoint now) {
-  if (message.retained || phase_ == Phase::leaving) {
+  if (message.retained) {
     quiet_at_ = now + kQuiet;
   }
   return phase_ == Phase::offline || phase_ == Phase::looking || phase_ == Phase::leaving;
@@ -92,9 +92,14 @@ void Session::say_no_look(const std::string& why) {
 void Session::leave(canopen::TimePoint now) {
   place_->looked = true;
   look_until_ = now + kSubscribePatience;
-  quiet_at_ = now + kQuiet;
   phase_ = Phase::leaving;
-  broker_.unsubscribe(connection_, {topics_.tree_subscription().filter});
+  broker_.unsubscribe(connection_, topics_.tree_subscription().filter);
+}
+
+void Session::unsubscribed(canopen::TimePoint now) {
+  if (phase_ == Phase::leaving) {
+    ask(Phase::subscribing, topics_.command_subscriptions(), now);
+  }
 }
 
 void Session::subscribed(const Subscribed& answer, canopen::TimePoint now) {
@@ -134,10 +139,8 @@ void Session::tick(canopen::TimePoint now) {
       say_no_look("no answer within 10 s");
     }
     leave(now);
-  } else if (phase_ == Phase::leaving && now >= quiet_at_) {
-    ask(Phase::subscribing, topics_.command_subscriptions(), now);
   } else if (phase_ == Phase::leaving && now >= look_until_) {
-    give_up("the broker goes on sending what is not subscribed to any more");
+    give_up("the broker does not end the subscription to " + topics_.tree_subscription().filter);
   }
   std::vector<Subscription> again;
   for (Entry& entry : entries_) {
@@ -164,7 +167,7 @@ void Session::tick(canopen::TimePoint now) {
 
 canopen::TimePoint Session::deadline() const noexcept {
   if (phase_ == Phase::looking || phase_ == Phase::leaving) {
-    return std::min(quiet_at_, look_until_);
+    return phase_ == Phase::looking ? std::min(quiet_at_, look_until_) : look_until_;
   }
   canopen::TimePoint next = kNever;
   for (const Entry& entry : entries_) {

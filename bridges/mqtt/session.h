@@ -21,13 +21,13 @@ namespace mqtt {
 /// brokers refuse by closing: what the connection broke at twice in a row is left out at that broker, unless it brings
 /// commands.
 ///
-/// Nothing that comes by the first look is a command, unless it stops a motor: it is given back before commands are
-/// subscribed to, so that none comes twice, and they are subscribed to when nothing has come for a while.
+/// Nothing that comes by the first look is a command, unless it stops a motor: it is given back, and the broker has
+/// said so, before commands are subscribed to, so that none comes twice.
 class Session {
  public:
   /// Longest wait for the answer to a subscription, and for what the broker keeps.
   static constexpr canopen::Duration kSubscribePatience = std::chrono::seconds(10);
-  /// All that the broker keeps has come when nothing has come for so long; and likewise all that was under way.
+  /// All that the broker keeps has come when nothing has come for so long.
   static constexpr canopen::Duration kQuiet = std::chrono::milliseconds(500);
   /// Pauses before a subscription is tried again double from the one to the other.
   static constexpr canopen::Duration kFirstPause = std::chrono::seconds(1);
@@ -35,7 +35,7 @@ class Session {
   /// So often an answer may be missing.
   static constexpr int kTries = 3;
 
-  /// `leaving`: the look is over and given back.
+  /// `leaving`: the look is being given back.
   enum class Phase : std::uint8_t { offline, looking, leaving, subscribing, watching, ready };
 
   /// `broker` and `topics` outlive the session.
@@ -45,6 +45,7 @@ class Session {
   void connected(const Connected& connection, canopen::TimePoint now);
   void lost();
   void subscribed(const Subscribed& answer, canopen::TimePoint now);
+  void unsubscribed(canopen::TimePoint now);
   /// A message came. True: by the first look, or on a connection that is given up; so it is no command but a stop,
   /// and nobody wrote it to be put right.
   [[nodiscard]] bool sets_aside(const Incoming& message, canopen::TimePoint now);
@@ -100,7 +101,7 @@ class Session {
   bool looked_here_ = false;    ///< On this connection.
   bool answered_ = false;       ///< The subscription of the look.
   canopen::TimePoint quiet_at_{};
-  canopen::TimePoint look_until_{};  ///< At the longest.
+  canopen::TimePoint look_until_{};  ///< At the longest; then, until it must be given back.
 };
 
 }  // namespace mqtt

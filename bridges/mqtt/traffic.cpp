@@ -33,9 +33,6 @@ std::size_t packet_size(const Message& message, int version, int qos) {
 }
 
 void Traffic::push(std::vector<Message> batch, TimePoint now) {
-  if (!may_send(now)) {
-    waits_ = now;
-  }
   outbox_.push(std::move(batch), now);
 }
 
@@ -45,11 +42,6 @@ void Traffic::begin(const BrokerLimits& limits, int version, TimePoint now) {
   open_ = false;
   begun_ = false;
   progress_ = now;
-}
-
-void Traffic::open(TimePoint now) {
-  open_ = true;
-  waits_ = now;
 }
 
 void Traffic::end(bool unexplained, TimePoint now) {
@@ -79,15 +71,17 @@ void Traffic::end(bool unexplained, TimePoint now) {
 }
 
 bool Traffic::may_send(TimePoint now) {
-  const Message* const next = open_ && under_way_.size() < limits_.window ? front(now) : nullptr;
-  return next != nullptr && (under_way_.empty() ||
-                             (!suspects_.leaves_alone(*next) && !suspects_.leaves_alone(under_way_.front().message)));
+  const Message* const next = has_room() ? front(now) : nullptr;
+  return next != nullptr && may_join(*next);
+}
+
+bool Traffic::may_join(const Message& next) const {
+  return under_way_.empty() || (!suspects_.leaves_alone(next) && !suspects_.leaves_alone(under_way_.front().message));
 }
 
 const Message* Traffic::next(TimePoint now) {
-  waits_ = now;
-  while (may_send(now)) {
-    std::optional<Outbox::Item> item = outbox_.pop(now, holds(now));
+  const auto may_leave = [this](const Message& next) { return may_join(next); };
+  while (std::optional<Outbox::Item> item = has_room() ? outbox_.pop(now, holds(now), may_leave) : std::nullopt) {
     left_ = now;
     if (fits(item->message)) {
       progress_ = under_way_.empty() ? now : progress_;
@@ -128,10 +122,6 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
   suspects_.acquit(sent->message);
   under_way_.erase(sent);
   progress_ = now;
-}
-
-bool Traffic::stuck(TimePoint now) {
-  return may_send(now) && now - waits_ > kStuck;
 }
 
 BrokerCounts Traffic::counts() const {

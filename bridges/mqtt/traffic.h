@@ -29,15 +29,13 @@ class Traffic {
   /// Nothing that was sent is acknowledged for so long: the broker hangs, although TCP stands. Paho's own ping does not
   /// notice while its socket is full.
   static constexpr std::chrono::seconds kStalled{20};
-  /// Nothing leaves for so long although it could.
-  static constexpr std::chrono::seconds kStuck{60};
 
   Traffic(int qos, Notice notice) : qos_(qos), notice_(std::move(notice)) {}
 
   void push(std::vector<Message> batch, TimePoint now);
   /// A connection of this version of MQTT (5, or 4 for 3.1.1) stands. Nothing leaves before open().
   void begin(const BrokerLimits& limits, int version, TimePoint now);
-  void open(TimePoint now);
+  void open() noexcept { open_ = true; }
   /// It is gone. `unexplained`: perhaps because of what was under way.
   void end(bool unexplained, TimePoint now);
 
@@ -58,13 +56,15 @@ class Traffic {
   /// Nothing is held back, either.
   [[nodiscard]] bool nothing_waits() const { return open_ && under_way_.empty() && outbox_.empty(); }
   [[nodiscard]] bool stalled(TimePoint now) const { return !under_way_.empty() && now - progress_ > kStalled; }
-  [[nodiscard]] bool stuck(TimePoint now);
   [[nodiscard]] BrokerCounts counts() const;
 
  private:
   [[nodiscard]] Outbox::Holds holds(TimePoint now) const;
   [[nodiscard]] const Message* front(TimePoint now) { return outbox_.front(now, holds(now)); }
   [[nodiscard]] std::list<Outbox::Item>::iterator find(const Message* message);
+  [[nodiscard]] bool has_room() const noexcept { return open_ && under_way_.size() < limits_.window; }
+  /// What is suspected leaves alone.
+  [[nodiscard]] bool may_join(const Message& next) const;
   [[nodiscard]] bool fits(const Message& message);
   void say(const Suspects::Verdict& held) const;
 
@@ -79,7 +79,6 @@ class Traffic {
   BrokerLimits limits_;
   TimePoint progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
   TimePoint left_{};      ///< When something left.
-  TimePoint waits_{};     ///< When something left, or nothing could.
   std::uint64_t dropped_ = 0;
   std::uint64_t said_answers_ = 0;
   std::set<std::string> said_too_long_;  ///< Topics.

@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cstdint>
 
-#include "bridges/mqtt/number_text.h"
 #include "bridges/text/json_text.h"
+#include "bridges/text/number_text.h"
 
 namespace gateway::control {
 namespace {
@@ -34,7 +34,7 @@ std::string json_of(std::string_view word) {
     return std::string(word);
   }
   // Numbers that JSON writes in another way: 050, .5
-  if (const canopen::Result<double> number = mqtt::number_of(word)) {
+  if (const canopen::Result<double> number = text::number_of(word)) {
     std::string out;
     text::append_number(out, number.value());
     return out;

@@ -16,9 +16,9 @@ using boost::asio::awaitable;
 using canopen::Error;
 using canopen::ErrorKind;
 using canopen::Result;
-using mqtt::Scalar;
 using process::Drive;
 using process::Plant;
+using text::Scalar;
 
 process::Writer writer_of(const Asked& asked) {
   return {.way = process::Writer::Way::local, .address = {}, .user = asked.user};
@@ -64,7 +64,7 @@ Result<mqtt::SdoRequest> sdo_request_of(const config::Drive& drive, const Reques
     }
     type = std::string(canopen::name_of(*known));
   }
-  mqtt::FlatObject members{{"op", text(request.op == Op::sdo_read ? "read" : "write")},
+  text::FlatObject members{{"op", text(request.op == Op::sdo_read ? "read" : "write")},
                            {"object", text(request.object)},
                            {"type", text(type.value_or(""))}};
   if (request.value) {

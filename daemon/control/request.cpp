@@ -10,8 +10,8 @@ namespace {
 
 using canopen::Error;
 using canopen::ErrorKind;
-using mqtt::FlatObject;
-using mqtt::Scalar;
+using text::FlatObject;
+using text::Scalar;
 
 constexpr std::string_view kValues = "values";
 
@@ -56,7 +56,7 @@ std::optional<Error> refuse_members(const FlatObject& members, bool has_values, 
 
 // Fills `text` from a member that has to be a string.
 std::optional<Error> take_text(const FlatObject& members, std::string_view name, std::string& text) {
-  const Scalar* const value = mqtt::find_member(members, name);
+  const Scalar* const value = text::find_member(members, name);
   if (value == nullptr) {
     return no_request("\"" + std::string(name) + "\" is missing");
   }
@@ -71,7 +71,7 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   if (auto refused = take_text(members, "object", request.object)) {
     return refused;
   }
-  if (mqtt::find_member(members, "type") != nullptr) {
+  if (text::find_member(members, "type") != nullptr) {
     if (auto refused = take_text(members, "type", request.type.emplace())) {
       return refused;
     }
@@ -79,7 +79,7 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   if (request.op == Op::sdo_read) {
     return std::nullopt;
   }
-  const Scalar* const value = mqtt::find_member(members, "value");
+  const Scalar* const value = text::find_member(members, "value");
   if (value == nullptr) {
     return no_request("\"value\" is missing");
   }
@@ -87,7 +87,7 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   return std::nullopt;
 }
 
-std::optional<Error> take_members(mqtt::NestedObject& read, Request& request) {
+std::optional<Error> take_members(text::NestedObject& read, Request& request) {
   if (request.op == Op::status || request.op == Op::stop) {
     return std::nullopt;
   }
@@ -107,7 +107,7 @@ std::optional<Error> take_members(mqtt::NestedObject& read, Request& request) {
   return std::nullopt;
 }
 
-canopen::Result<Request> request_of(mqtt::NestedObject& read) {
+canopen::Result<Request> request_of(text::NestedObject& read) {
   std::string name;
   if (const auto refused = take_text(read.members, "op", name)) {
     return *refused;
@@ -130,13 +130,13 @@ canopen::Result<Request> request_of(mqtt::NestedObject& read) {
 }  // namespace
 
 Line parse_line(std::string_view text) {
-  canopen::Result<mqtt::NestedObject> read = mqtt::parse_nested(text, kValues);
+  canopen::Result<text::NestedObject> read = text::parse_nested(text, kValues);
   if (read.has_error()) {
     return {.request = read.error()};
   }
   Line line{.request = Request{}};
-  if (const Scalar* const id = mqtt::find_member(read.value().members, "id")) {
-    const std::optional<std::string> echoed = mqtt::echoed_id(*id);
+  if (const Scalar* const id = text::find_member(read.value().members, "id")) {
+    const std::optional<std::string> echoed = text::echoed_id(*id);
     if (!echoed) {
       line.request = no_request("\"id\" is to be a string or a number");
       return line;

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "bridges/mqtt/flat_json.h"
+#include "bridges/text/flat_json.h"
 #include "canopen/error.h"
 
 namespace gateway::control {
@@ -19,11 +19,11 @@ enum class Op : std::uint8_t { set, nmt, sdo_read, sdo_write, status, stop };
 struct Request {
   Op op = Op::status;
   std::string drive{};                  ///< Of all but `status` and `stop`.
-  mqtt::FlatObject values{};            ///< Of `set`: signals and their values.
+  text::FlatObject values{};            ///< Of `set`: signals and their values.
   std::string command{};                ///< Of `nmt`.
   std::string object{};                 ///< Of `sdo-read` and `sdo-write`: `0x2002:03`.
   std::optional<std::string> type{};    ///< Likewise; nothing: that of the signal with this object.
-  std::optional<mqtt::Scalar> value{};  ///< Of `sdo-write`: raw, as the device holds it.
+  std::optional<text::Scalar> value{};  ///< Of `sdo-write`: raw, as the device holds it.
 };
 
 /// A line taken apart.

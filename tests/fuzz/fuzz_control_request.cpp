@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "bridges/mqtt/command.h"
-#include "bridges/mqtt/flat_json.h"
+#include "bridges/text/flat_json.h"
 #include "daemon/control/order_text.h"
 #include "daemon/control/request.h"
 #include "tests/unit/mqtt/site.h"
@@ -35,7 +35,7 @@ void look_at(const Request& request) {
 
 void read(std::string_view text) {
   const Line line = gateway::control::parse_line(text);
-  require(mqtt::parse_flat("{\"id\":" + line.id + "}").has_value());
+  require(text::parse_flat("{\"id\":" + line.id + "}").has_value());
   if (line.request.has_value()) {
     look_at(line.request.value());
   } else {
@@ -45,8 +45,8 @@ void read(std::string_view text) {
 
 // Whatever is typed becomes JSON, so that a request of the command line is always one.
 void typed(std::string_view text) {
-  require(mqtt::parse_flat("{\"value\":" + gateway::control::json_of(text) + "}").has_value());
-  require(mqtt::parse_flat("{\"value\":" + gateway::control::json_of_raw(text) + "}").has_value());
+  require(text::parse_flat("{\"value\":" + gateway::control::json_of(text) + "}").has_value());
+  require(text::parse_flat("{\"value\":" + gateway::control::json_of_raw(text) + "}").has_value());
   const std::string request = R"({"op":"set","drive":"pump1","values":)" +
                               gateway::control::values_of({"a=" + std::string(text)}).value() + "}";
   require(gateway::control::parse_line(request).request.has_value());

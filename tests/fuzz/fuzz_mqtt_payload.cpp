@@ -22,7 +22,7 @@ void require(bool holds) {
 void answer(const mqtt::Parsed& parsed, const canopen::Result<void>& outcome) {
   const mqtt::ReplyTo to{.topic = "r", .command_topic = "t", .id = parsed.id};
   const mqtt::Message message = mqtt::command_answer(to, outcome);
-  const auto read = mqtt::parse_flat(message.payload);
+  const auto read = text::parse_flat(message.payload);
   require(read.has_value());  // every answer is JSON, whatever it quotes
 }
 

@@ -24,9 +24,9 @@ constexpr std::array<std::string_view, 7> kConfig{
     "canopen/clock.h",        "canopen/bus/echo.h",           "canopen/node/emcy.h",
     "canopen/error.h",        "canopen/node/node_settings.h", "canopen/object.h",
     "canopen/bus/wire_bits.h"};
-// A thread that waits for the disk, and how times and texts are written: they know nothing of the field.
+// A thread that waits for the disk, and how times and texts are written and read: they know nothing of the field.
 constexpr std::array<std::string_view, 1> kDisk{"canopen/clock.h"};
-constexpr std::array<std::string_view, 2> kText{"canopen/clock.h", "canopen/hex.h"};
+constexpr std::array<std::string_view, 3> kText{"canopen/clock.h", "canopen/error.h", "canopen/hex.h"};
 // Which errors are active and what they are called: plain values in and out. What is kept of them waits for a disk.
 constexpr std::array<std::string_view, 10> kAlarms{
     "bridges/disk/",          "canopen/event.h", "canopen/wake_up.h",

@@ -54,6 +54,7 @@ class Announcer final : public mqtt::BrokerEvents {
   }
   void on_disconnected(const std::string& /*why*/) override { ++broken; }
   void on_subscribed(const mqtt::Subscribed& /*subscribed*/) override {}
+  void on_unsubscribed(const std::string& /*filter*/) override {}
   void on_message(mqtt::Incoming /*message*/) override {}
   [[nodiscard]] bool is_stop(const mqtt::Incoming& /*message*/) const override { return false; }
 

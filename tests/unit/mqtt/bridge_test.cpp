@@ -37,6 +37,7 @@ TEST(MqttBridge, AnnouncesEverythingAndOnlineLast) {
   }
   EXPECT_EQ(site.retained("alarms"), "[]");
   EXPECT_TRUE(contains(site.retained("info"), R"("version":"1.2.3")"));
+  EXPECT_TRUE(contains(site.retained("info"), R"("assumed_pdos":["TPDO1","RPDO1"])"));
   EXPECT_TRUE(contains(
       site.retained("info"),
       R"({"name":"frequency_command","object":"0x2000:02","type":"u16","scale":0.01,"unit":"","access":"write",)"

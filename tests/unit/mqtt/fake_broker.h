@@ -27,11 +27,9 @@ class FakeBroker final : public Broker {
     subscribed.insert(subscribed.end(), subscriptions.begin(), subscriptions.end());
     unanswered.insert(unanswered.end(), subscriptions.begin(), subscriptions.end());
   }
-  void unsubscribe(ConnectionId connection, std::vector<std::string> filters) override {
+  void unsubscribe(ConnectionId connection, std::string filter) override {
     unsubscribed_on = connection;
-    for (std::string& filter : filters) {
-      unsubscribed.push_back(std::move(filter));
-    }
+    unsubscribed.push_back(std::move(filter));
   }
   void publish(std::vector<Message> batch) override {
     ++batches;

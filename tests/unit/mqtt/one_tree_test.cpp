@@ -31,7 +31,10 @@ void look(PlantSite& site, const std::vector<std::pair<std::string, std::string>
   for (const auto& [topic, payload] : kept) {
     site.receive({.topic = "canopen/line3/" + topic, .payload = payload, .retained = true});
   }
-  site.run(2 * Session::kQuiet + 100ms);
+  site.run(Session::kQuiet + 100ms);
+  EXPECT_EQ(site.broker().unsubscribed, std::vector<std::string>{"canopen/line3/#"});
+  site.broker().events->on_unsubscribed("canopen/line3/#");
+  site.loop().settle();
   site.broker().answer_subscriptions();
   site.loop().settle();
 }
@@ -158,7 +161,7 @@ TEST(MqttOneTree, AStopThatComesByTheLookIsCarriedOut) {
   EXPECT_TRUE(site.broker().on("canopen/line3/result").empty()) << "one of the past, and one that is no stop";
   site.receive({.topic = "canopen/line3/stop", .payload = "1"}, 100ms);
   EXPECT_TRUE(contains(site.last_answer(), R"("topic":"canopen/line3/stop")")) << site.last_answer();
-  site.run(Session::kQuiet);  // the look is given back
+  site.run(Session::kQuiet);  // the look is being given back
   site.receive({.topic = "canopen/line3/stop", .payload = R"({"id":"s2"})"}, 100ms);
   EXPECT_TRUE(contains(site.last_answer(), R"("id":"s2")")) << site.last_answer();
 }

@@ -25,6 +25,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
     reasons.push_back(why);
   }
   void on_subscribed(const Subscribed& subscribed) override { grants.push_back(!subscribed.refused); }
+  void on_unsubscribed(const std::string& filter) override { given_back.push_back(filter); }
   void on_message(Incoming message) override { messages.push_back(std::move(message)); }
   [[nodiscard]] bool is_stop(const Incoming& message) const override { return message.payload == "stop"; }
 
@@ -94,6 +95,7 @@ class PublisherFixture : public testing::Test, public BrokerEvents {
   std::size_t disconnections = 0;
   std::vector<std::string> reasons;  ///< Of the disconnections.
   std::vector<bool> grants;
+  std::vector<std::string> given_back;  ///< Filters.
   std::vector<Incoming> messages;
   std::vector<std::string> notices;
 };

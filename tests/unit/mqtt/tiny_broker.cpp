@@ -19,6 +19,7 @@ constexpr std::uint8_t kConnect = 1;
 constexpr std::uint8_t kPublish = 3;
 constexpr std::uint8_t kPubAck = 4;
 constexpr std::uint8_t kSubscribe = 8;
+constexpr std::uint8_t kUnsubscribe = 10;
 constexpr std::uint8_t kPing = 12;
 constexpr std::uint8_t kDisconnect = 14;
 
@@ -177,6 +178,10 @@ bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::u
       send_bytes(client, {0x90, 3, body[0], body[1], 0});  // of one filter
     }
     flood(client);
+  } else if (type == kUnsubscribe && level_ == kMqtt5) {
+    send_bytes(client, {0xB0, 4, body[0], body[1], 0, 0});
+  } else if (type == kUnsubscribe) {
+    send_bytes(client, {0xB0, 2, body[0], body[1]});
   } else if (type == kPubAck && manners_.flood != 0) {
     flood_taken_.set_value();
   } else if (type == kPing) {

@@ -8,10 +8,10 @@ namespace gateway::control {
 namespace {
 
 using canopen::ErrorKind;
-using mqtt::Scalar;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
+using text::Scalar;
 
 TEST(ControlRequest, Set) {
   const Line line = parse_line(

@@ -1,4 +1,4 @@
-#include "bridges/mqtt/flat_json.h"
+#include "bridges/text/flat_json.h"
 
 #include <algorithm>
 #include <boost/json/basic_parser_impl.hpp>
@@ -6,7 +6,7 @@
 
 #include "bridges/text/json_text.h"
 
-namespace mqtt {
+namespace text {
 namespace {
 
 namespace json = boost::json;
@@ -129,7 +129,7 @@ std::optional<std::string> echoed_id(const Scalar& id) {
     return std::nullopt;
   }
   std::string quoted;
-  text::append_quoted(quoted, id.text);
+  append_quoted(quoted, id.text);
   return quoted;
 }
 
@@ -157,4 +157,4 @@ canopen::Result<FlatObject> parse_flat(std::string_view text) {
   return std::move(read.value().members);
 }
 
-}  // namespace mqtt
+}  // namespace text

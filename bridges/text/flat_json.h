@@ -9,7 +9,7 @@
 
 #include "canopen/error.h"
 
-namespace mqtt {
+namespace text {
 
 /// A value as it was written: numbers keep their digits, so that 64 bits stay 64 bits.
 struct Scalar {
@@ -42,4 +42,4 @@ struct NestedObject {
 /// Reads a JSON object like parse_flat(), but its member called `inner` may be an object of single values.
 [[nodiscard]] canopen::Result<NestedObject> parse_nested(std::string_view text, std::string_view inner);
 
-}  // namespace mqtt
+}  // namespace text

@@ -1,4 +1,4 @@
-#include "bridges/mqtt/put_right.h"
+#include "bridges/mqtt/put_right_tally.h"
 
 #include <string>
 

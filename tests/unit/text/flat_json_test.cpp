@@ -1,10 +1,10 @@
-#include "bridges/mqtt/flat_json.h"
+#include "bridges/text/flat_json.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-namespace mqtt {
+namespace text {
 namespace {
 
 using Kind = Scalar::Kind;
@@ -58,4 +58,4 @@ TEST(FlatJson, RefusesANameGivenTwice) {
 }
 
 }  // namespace
-}  // namespace mqtt
+}  // namespace text
