@@ -51,6 +51,9 @@ struct Faults {
   std::optional<std::size_t> frames_until_silence;
   /// The blksize of the first, second, … sub-block of a download; the last one stays. Not empty; a right one is 1..127.
   std::vector<std::uint8_t> block_sizes{kMaxBlockSize};
+  /// A gap in a sub-block of a download is acknowledged at once, and what comes until the next segment 1 is ignored.
+  /// The standard does not say when; else it is at the end of the sub-block.
+  bool acknowledge_at_gap = false;
   bool crc_supported = true;
   bool wrong_crc = false;               ///< An upload ends with a wrong CRC; that of a download is held to be wrong.
   std::optional<std::uint8_t> wrong_n;  ///< 0..7: the n at the end of a block upload.

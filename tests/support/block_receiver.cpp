@@ -5,6 +5,10 @@ namespace support::block {
 BlockReceiver::Progress BlockReceiver::take(const Content& segment) {
   const std::uint8_t seqno = field(segment, 0, 7);
   const bool last = field(segment, 7, 1) != 0;
+  if (skipping_ && seqno != 1) {
+    return Progress::more;
+  }
+  skipping_ = false;
   if (seqno == 0 || seqno > block_size_) {
     return Progress::bad_sequence_number;
   }
@@ -13,7 +17,10 @@ BlockReceiver::Progress BlockReceiver::take(const Content& segment) {
     received_ = seqno;
     last_there_ = last;
   }
-  return last || seqno == block_size_ ? Progress::sub_block_over : Progress::more;
+  if (last || seqno == block_size_) {
+    return Progress::sub_block_over;
+  }
+  return seqno > received_ ? Progress::gap : Progress::more;
 }
 
 void BlockReceiver::discard_after(std::uint8_t seqno) {

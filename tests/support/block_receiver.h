@@ -12,7 +12,7 @@ namespace support::block {
 /// The server's part of a block download (CiA 301 §7.2.4.3.9 to 11), from the confirmed initiate to its end.
 class BlockReceiver {
  public:
-  enum class Progress : std::uint8_t { more, sub_block_over, bad_sequence_number };
+  enum class Progress : std::uint8_t { more, gap, sub_block_over, bad_sequence_number };
 
   /// `size` is what the client indicated; `crc`, whether both sides can do it.
   BlockReceiver(canopen::ObjectAddress object, std::optional<std::uint32_t> size, bool crc, std::uint8_t block_size)
@@ -32,6 +32,9 @@ class BlockReceiver {
   [[nodiscard]] std::uint8_t ackseq() const noexcept { return received_; }
   /// Forgets what came after the segment `seqno` of this sub-block.
   void discard_after(std::uint8_t seqno);
+  /// Discards every segment until the first one of the next sub-block: those the client sends before it hears of an
+  /// early acknowledgement.
+  void skip_to_first() noexcept { skipping_ = true; }
   /// After the acknowledgement: the next sub-block, or the end where the last segment is there.
   void next(std::uint8_t block_size);
   [[nodiscard]] unsigned sub_block() const noexcept { return sub_block_; }
@@ -47,6 +50,7 @@ class BlockReceiver {
   unsigned sub_block_ = 1;
   std::uint8_t received_ = 0;
   bool last_there_ = false;
+  bool skipping_ = false;
   bool ended_ = false;
   Bytes data_;
 };

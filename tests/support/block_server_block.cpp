@@ -67,6 +67,12 @@ BlockServer::Contents BlockServer::block_segment(block::BlockReceiver& receiver,
   switch (receiver.take(segment)) {
     case block::BlockReceiver::Progress::more:
       return {};
+    case block::BlockReceiver::Progress::gap:
+      if (!faults.acknowledge_at_gap) {
+        return {};
+      }
+      receiver.skip_to_first();
+      return acknowledge(receiver);
     case block::BlockReceiver::Progress::sub_block_over:
       return acknowledge(receiver);
     case block::BlockReceiver::Progress::bad_sequence_number:

@@ -77,6 +77,23 @@ TEST_F(BlockServerFaults, MoreIsAcknowledgedThanCame) {
   EXPECT_EQ(end_download(), Answers{"A1 00 00 00 00 00 00 00"});
 }
 
+TEST_F(BlockServerFaults, AGapIsAcknowledgedAtOnce) {
+  server_.faults.acknowledge_at_gap = true;
+  server_.faults.block_sizes = {127, 3};
+  EXPECT_EQ(say(server_, "C6 00 20 01 1E 00 00 00"), Answers{"A4 00 20 01 7F 00 00 00"});
+  EXPECT_EQ(say(server_, "01 00 01 02 03 04 05 06"), kNoAnswer);
+  EXPECT_EQ(say(server_, "03 0E 0F 10 11 12 13 14"), Answers{"A2 01 03 00 00 00 00 00"});
+  // What the client sent before it heard.
+  EXPECT_EQ(say(server_, "04 15 16 17 18 19 1A 1B"), kNoAnswer);
+  EXPECT_EQ(say(server_, "85 1C 1D 00 00 00 00 00"), kNoAnswer);
+  EXPECT_EQ(say(server_, "01 07 08 09 0A 0B 0C 0D"), kNoAnswer);
+  EXPECT_EQ(say(server_, "02 0E 0F 10 11 12 13 14"), kNoAnswer);
+  EXPECT_EQ(say(server_, "03 15 16 17 18 19 1A 1B"), Answers{"A2 03 03 00 00 00 00 00"});
+  EXPECT_EQ(say(server_, "81 1C 1D 00 00 00 00 00"), Answers{"A2 01 03 00 00 00 00 00"});
+  EXPECT_EQ(say(server_, "D5 11 1F 00 00 00 00 00"), Answers{"A1 00 00 00 00 00 00 00"});
+  EXPECT_EQ(server_.objects[kObject], counting(30));
+}
+
 TEST_F(BlockServerFaults, BlockSizesThatAreNone) {
   server_.faults.block_sizes = {0};
   EXPECT_EQ(say(server_, "C6 00 20 01 09 00 00 00"), Answers{"A4 00 20 01 00 00 00 00"});
