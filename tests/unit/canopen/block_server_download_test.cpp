@@ -125,6 +125,10 @@ TEST_F(BlockServerDownload, OtherLengthThanIndicatedChangesNothing) {
   EXPECT_EQ(say(server_, "01 31 32 33 34 35 36 37"), kNoAnswer);
   EXPECT_EQ(say(server_, "82 38 39 00 00 00 00 00"), Answers{"A2 02 7F 00 00 00 00 00"});
   EXPECT_EQ(say(server_, "D5 00 00 00 00 00 00 00"), Answers{"80 00 20 01 10 00 07 06"});
+  EXPECT_EQ(say(server_, "C2 00 20 01 08 00 00 00"), Answers{"A4 00 20 01 7F 00 00 00"});
+  EXPECT_EQ(say(server_, "01 31 32 33 34 35 36 37"), kNoAnswer);
+  EXPECT_EQ(say(server_, "82 38 39 00 00 00 00 00"), Answers{"A2 02 7F 00 00 00 00 00"});
+  EXPECT_EQ(say(server_, "D5 00 00 00 00 00 00 00"), Answers{"80 00 20 01 10 00 07 06"});
   EXPECT_EQ(server_.objects[kObject], letters("old"));
 }
 
@@ -146,11 +150,14 @@ TEST_F(BlockServerDownload, NeedsAnObject) {
   EXPECT_TRUE(server_.idle());
 }
 
-TEST_F(BlockServerDownload, TheEndNeedsATransferAndItsReservedBytesAreZero) {
+TEST_F(BlockServerDownload, TheEndNeedsATransferAndWhatIsReservedIsZero) {
   EXPECT_EQ(say(server_, "D5 00 00 00 00 00 00 00"), Answers{"80 00 00 00 01 00 04 05"});
   EXPECT_EQ(say(server_, "C0 00 20 01 00 00 00 00"), Answers{"A4 00 20 01 7F 00 00 00"});
   EXPECT_EQ(say(server_, "81 37 38 00 00 00 00 00"), Answers{"A2 01 7F 00 00 00 00 00"});
   EXPECT_EQ(say(server_, "D5 00 00 01 00 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
+  EXPECT_EQ(say(server_, "C0 00 20 01 00 00 00 00"), Answers{"A4 00 20 01 7F 00 00 00"});
+  EXPECT_EQ(say(server_, "81 37 38 00 00 00 00 00"), Answers{"A2 01 7F 00 00 00 00 00"});
+  EXPECT_EQ(say(server_, "D7 00 00 00 00 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(say(server_, "C0 00 20 01 01 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(say(server_, "C8 00 20 01 00 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(server_.objects[kObject], letters("old"));

@@ -72,6 +72,8 @@ TEST_F(BlockServerSegmented, OtherLengthThanIndicatedChangesNothing) {
   EXPECT_EQ(say(server_, "21 00 20 01 08 00 00 00"), Answers{"60 00 20 01 00 00 00 00"});
   EXPECT_EQ(say(server_, "01 61 62 63 64 65 66 67"), Answers{"80 00 20 01 10 00 07 06"});
   EXPECT_EQ(server_.objects[kObject], letters("123456789"));
+  EXPECT_EQ(say(server_, "21 00 20 01 06 00 00 00"), Answers{"60 00 20 01 00 00 00 00"});
+  EXPECT_EQ(say(server_, "01 61 62 63 64 65 66 67"), Answers{"80 00 20 01 10 00 07 06"});
   server_.fixed_lengths = {kObject};
   EXPECT_EQ(say(server_, "21 00 20 01 08 00 00 00"), Answers{"80 00 20 01 13 00 07 06"});
   EXPECT_EQ(say(server_, "23 00 20 01 61 62 63 64"), Answers{"80 00 20 01 13 00 07 06"});
@@ -92,6 +94,9 @@ TEST_F(BlockServerSegmented, WhatIsNoRequestOfTheStandardIsAnUnknownCommand) {
   EXPECT_EQ(say(server_, "E0 00 20 01 00 00 00 00"), Answers{"80 00 00 00 01 00 04 05"});
   EXPECT_EQ(say(server_, "40 00 20 01 00 00 00 01"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(say(server_, "41 00 20 01 00 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
+  EXPECT_EQ(say(server_, "33 00 20 01 61 62 63 64"), Answers{"80 00 20 01 01 00 04 05"});
+  EXPECT_EQ(say(server_, "40 00 20 01 00 00 00 00"), Answers{"41 00 20 01 09 00 00 00"});
+  EXPECT_EQ(say(server_, "61 00 00 00 00 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(say(server_, "26 00 20 01 00 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(say(server_, "20 00 20 01 01 00 00 00"), Answers{"80 00 20 01 01 00 04 05"});
   EXPECT_EQ(say(server_, "40 00 20 07 00 00 00 00"), Answers{"80 00 20 07 11 00 09 06"});

@@ -126,6 +126,9 @@ TEST_F(BlockServerUpload, IsAnsweredByTheUploadProtocolWhereTheThresholdAllowsIt
   EXPECT_EQ(say(server_, "A4 00 20 01 7F 09 00 00"), Answers{"41 00 20 01 09 00 00 00"});
   EXPECT_EQ(say(server_, "60 00 00 00 00 00 00 00"), Answers{"00 31 32 33 34 35 36 37"});
   EXPECT_EQ(say(server_, "70 00 00 00 00 00 00 00"), Answers{"1B 38 39 00 00 00 00 00"});
+  // A threshold of 0 allows it to no size.
+  server_.objects[kObject] = {};
+  EXPECT_EQ(say(server_, "A4 00 20 01 7F 00 00 00"), Answers{"C6 00 20 01 00 00 00 00"});
   server_.objects[kObject] = letters("ab");
   EXPECT_EQ(say(server_, "A4 00 20 01 7F 09 00 00"), Answers{"4B 00 20 01 61 62 00 00"});
   EXPECT_TRUE(server_.idle());
