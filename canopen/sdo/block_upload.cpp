@@ -67,15 +67,6 @@ SdoReaction SdoBlockUpload::on_end(std::span<const std::uint8_t> frame) {
   return {.step = SdoStep::more, .request = block_upload_end()};
 }
 
-SdoReaction SdoBlockUpload::on_silence() {
-  // Without any segment our own acknowledgement may have been lost, and another one would be taken for that.
-  if (state_ != State::segments || in_order_ == 0) {
-    return {};
-  }
-  newest_.reset();
-  return acknowledge();
-}
-
 SdoReaction SdoBlockUpload::on_departure() const {
   return complete() ? SdoReaction{.step = SdoStep::completed} : SdoReaction{};
 }

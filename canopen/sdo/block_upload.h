@@ -11,7 +11,8 @@
 namespace canopen {
 
 /// A block upload that the server has accepted, without time or bus (CiA 301 §7.2.4.3.12 to §7.2.4.3.15): frames of the
-/// server in, requests out. What does not come in order is asked for again.
+/// server in, requests out. What does not come in order is asked for again at the end of the sub-block. Where that end
+/// does not come nothing is asked for: frames that are only late would pass for those of the repetition.
 class SdoBlockUpload {
  public:
   /// Segments of a sub-block. So few that the first byte of a segment is none of an answer that confirms a write, nor
@@ -23,8 +24,6 @@ class SdoBlockUpload {
 
   /// 8 bytes that are no abort.
   [[nodiscard]] SdoReaction on_answer(std::span<const std::uint8_t> frame);
-  /// No frame came in time: where some of this sub-block did, the server is told which, and is to go on behind them.
-  [[nodiscard]] SdoReaction on_silence();
   /// Our newest request has left.
   [[nodiscard]] SdoReaction on_departure() const;
   /// In the middle of a sub-block: any first byte from 1 on is that of a segment.

@@ -22,14 +22,12 @@ SdoExchange::SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitC
 
 boost::asio::awaitable<void> SdoExchange::run() {
   send();
-  while (!over_) {
+  while (!over_ && channel_.bus.may_still_hear(due_)) {
     if (Clock::now() >= next_at_) {
       send();
-    } else if (channel_.bus.may_still_hear(due_)) {
+    } else {
       const TimePoint until = std::min(next_at_, or_soon(due_));
       co_await ended_.wait_until(until);
-    } else if (!ask_again()) {
-      break;
     }
   }
   cut_short_ = !over_ && due_ == limit_;
@@ -71,15 +69,6 @@ SdoTransfer::Step SdoExchange::on_answer(std::span<const std::uint8_t> answer) {
 void SdoExchange::give_up() {
   given_up_ = true;
   end(Error{.kind = ErrorKind::timeout, .detail = "given up for a command"});
-}
-
-bool SdoExchange::ask_again() {
-  const bool may_go_on = due_ != limit_ && due_ != deadline_ && !withdrawn_;
-  if (!may_go_on || transfer_.on_silence() != SdoTransfer::Step::more) {
-    return false;
-  }
-  send();
-  return true;
 }
 
 void SdoExchange::interrupt(Error why) {

@@ -77,8 +77,6 @@ class SdoExchange {
   void send_in_turn();
   void await_answer(TimePoint from);
   void give_up();
-  /// No answer came in time: whether something was sent that may bring one.
-  [[nodiscard]] bool ask_again();
   void on_departure(Departure how);
   void end(std::optional<Error> why);
   [[nodiscard]] bool is_sent_once() const noexcept { return is_command() || is_stop(); }

@@ -40,8 +40,6 @@ class SdoTransfer {
   Step on_answer(std::span<const std::uint8_t> answer, bool late_possible);
   /// request() has left. `ignored`: now an answer is due.
   Step on_departure();
-  /// No answer came in time. `more`: that can be put right by request(); `ignored`: it can not.
-  Step on_silence();
 
   /// The server did not accept it yet, and is asked for block transfer.
   [[nodiscard]] bool asks_for_block() const noexcept { return phase_ == Phase::initiate && block_; }

@@ -39,10 +39,6 @@ SdoTransfer::Step SdoTransfer::on_departure() {
   return take(block_upload_ ? block_upload_->on_departure() : block_download_->on_departure());
 }
 
-SdoTransfer::Step SdoTransfer::on_silence() {
-  return in_block() && block_upload_ ? take(block_upload_->on_silence()) : Step::ignored;
-}
-
 SdoTransfer::Step SdoTransfer::on_block_accepted(std::span<const std::uint8_t> answer) {
   if (answer.size() < 8) {
     return fail(too_short(answer), kAbortLengthMismatch);

@@ -153,17 +153,6 @@ TEST_F(SdoBlockFramesTest, WhatASubBlockMissesIsAskedForAgain) {
   EXPECT_EQ(transfer_->data(), data);
 }
 
-TEST_F(SdoBlockFramesTest, OfAnUploadSilenceTellsTheServerWhatCame) {
-  const Bytes data = counted(40);
-  begin_upload();
-  EXPECT_EQ(hear({0xC4, 0x21, 0x10, 0, 0, 0, 0, 0}), Step::more);
-  EXPECT_EQ(transfer_->on_silence(), Step::ignored) << "perhaps the server did not hear us begin";
-  EXPECT_EQ(hear_segments(1, 2, data), Step::taken);
-  EXPECT_EQ(transfer_->on_silence(), Step::more);
-  EXPECT_EQ(request(), "A2 02 1F 00 00 00 00 00");
-  EXPECT_EQ(transfer_->on_silence(), Step::ignored) << "without a segment of the new sub-block it helps no more";
-}
-
 TEST_F(SdoBlockFramesTest, ASegmentThatComesTwiceCountsOnce) {
   const Bytes data = counted(31 * 7 + 1);
   begin_upload();
