@@ -6,8 +6,9 @@
 namespace canopen {
 namespace {
 
-// A request and its answer: two frames of eight bytes.
-const std::uint32_t kBitsOfTransfer = 2 * bits_on_wire({.size = 8});
+const std::uint32_t kBitsOfFrame = bits_on_wire({.size = 8});
+// A request and its answer.
+const std::uint32_t kBitsOfTransfer = 2 * kBitsOfFrame;
 // Of transfers that run at once all answers may come together, and hold other frames up for so long.
 constexpr std::uint32_t kBitrateOfOne = 16'000;
 constexpr std::size_t kFewestAtOnce = 4;
@@ -16,8 +17,6 @@ constexpr std::size_t kMostAtOnce = 64;
 constexpr Duration kAnswerTime = std::chrono::milliseconds(50);
 constexpr int kTransfersBeforeAnswer = 8;
 constexpr Duration kMostDebt = std::chrono::milliseconds(500);
-// So much may be granted ahead, for timers are not exact.
-constexpr Duration kAhead = std::chrono::milliseconds(5);
 
 Duration time_of_bits(std::uint64_t bits, double bits_per_second) noexcept {
   return std::chrono::duration_cast<Duration>(
@@ -49,11 +48,11 @@ SdoBudget::SdoBudget(const boost::asio::any_io_executor& executor, std::optional
   }
 }
 
-void SdoBudget::charge() {
+void SdoBudget::charge(unsigned frames) {
   if (bitrate_) {
     const TimePoint now = Clock::now();
     // Commands are not limited, and must not keep boots and polls out for ever.
-    paid_until_ = std::min(std::max(paid_until_, now) + time_of_transfer(now), now + kMostDebt);
+    paid_until_ = std::min(std::max(paid_until_, now) + time_of(frames, now), now + kMostDebt);
   }
 }
 
@@ -111,10 +110,10 @@ void SdoBudget::arm() {
   wake_up_.arm(next);
 }
 
-Duration SdoBudget::time_of_transfer(TimePoint now) {
+Duration SdoBudget::time_of(unsigned frames, TimePoint now) {
   const double others = load_.others_per_mille(*bitrate_, now) / 1000.0;
   const double share = std::max(most_load_ - others, kLeastShare);
-  return time_of_bits(kBitsOfTransfer, share * *bitrate_);
+  return time_of_bits(std::uint64_t{frames} * kBitsOfFrame, share * *bitrate_);
 }
 
 }  // namespace canopen

@@ -50,13 +50,17 @@ class SdoBudget {
   SdoBudget& operator=(const SdoBudget&) = delete;
   ~SdoBudget() = default;
 
-  /// A request and its answer that nobody claimed a place for.
-  void charge();
+  /// Frames of eight bytes that nobody claimed a place for: a request and its answer, or what else comes at once.
+  void charge(unsigned frames = 2);
+  /// When the traffic so far will have had its time: who has many frames to come waits until then.
+  [[nodiscard]] TimePoint free_at() const noexcept { return paid_until_ - kAhead; }
   [[nodiscard]] std::size_t most_at_once() const noexcept { return most_at_once_; }
 
   static constexpr double kUsualLoad = 0.7;
   static constexpr double kLeastShare = 0.1;
   static constexpr std::size_t kAtOnceWithoutBitrate = 8;
+  /// So much may be granted ahead, for timers are not exact.
+  static constexpr Duration kAhead = std::chrono::milliseconds(5);
 
  private:
   void add(Claim& claim);
@@ -65,7 +69,7 @@ class SdoBudget {
   void grant_next(TimePoint now);
   void grant_what_may_be();
   void arm();
-  [[nodiscard]] Duration time_of_transfer(TimePoint now);
+  [[nodiscard]] Duration time_of(unsigned frames, TimePoint now);
 
   std::optional<std::uint32_t> bitrate_;
   double most_load_;

@@ -5,13 +5,10 @@
 #include <utility>
 
 #include "canopen/bus/bus.h"
+#include "canopen/sdo/abort_codes.h"
 
 namespace canopen {
 namespace {
-
-// CiA 301 table 22.
-constexpr std::uint32_t kTimedOut = 0x05040000;
-constexpr std::uint32_t kGeneralError = 0x08000000;
 
 constexpr const char* kInterrupted = "the drive was lost, rebooted or removed";
 
@@ -59,6 +56,8 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
   SdoLine::Place place(line_, SdoLine::Kind::transfer, due);
   static_cast<void>(co_await place.wait_until(TimePoint::max()));
   bool certain = !unanswered_.contains(object);
+  bool silent_to_block = false;
+  unsigned given_up = 0;
   while (!place.called_off()) {
     const Unanswered::Proof proof = unanswered_.proof();
     if (!certain && Clock::now() < proof.from) {
@@ -69,11 +68,20 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
     SdoExchange exchange(channel_, certain ? transfer : upload(proof.object), TransmitClass::sdo, TimePoint::max(),
                          unanswered_.any());
     co_await carry_out(exchange);
+    const bool in_the_middle = exchange.transfer().in_segments();
     if (!certain && exchange.answered()) {
       certain = true;
       unanswered_.clear();
-    } else if (!exchange.gave_way() && (!exchange.timed_out() || --tries == 0)) {
+    } else if (exchange.gave_way() ? in_the_middle && ++given_up == kMostGivenUp
+                                   : !exchange.timed_out() || --tries == 0) {
+      if (silent_to_block && !exchange.error()) {
+        on_block_unknown("does not answer to block transfer");
+      }
       co_return result(exchange, object);
+    }
+    if (exchange.transfer().asks_for_block() && exchange.unanswered() && !exchange.gave_way()) {
+      transfer.use_segments();  // Some servers say nothing where they know a request not.
+      silent_to_block = true;
     }
     channel_.bus.sdo_budget().charge();
     // All tries together may take longer than a command has.
@@ -107,7 +115,7 @@ boost::asio::awaitable<Result<void>> SdoClient::send_command(SdoTransfer transfe
     too_late.detail = "not begun: too little time was left for the answer";
     co_return addressed(std::move(too_late), object);
   }
-  abort_.reset();  // Of a transfer before it: behind the command it could end that one.
+  send_abort_first(TransmitClass::command);
   SdoExchange exchange(channel_, std::move(transfer), TransmitClass::command, deadline, unanswered_.any());
   co_await carry_out(exchange);
   if (exchange.error() && exchange.error()->not_sent && place.called_off()) {
@@ -169,6 +177,9 @@ boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
     write_times_.note(Clock::now() - begun);
   }
   const ObjectAddress object = exchange.transfer().object();
+  if (exchange.transfer().block_refused()) {
+    on_block_unknown("refuses block transfer");
+  }
   if (exchange.unanswered()) {
     answered_ = answered_ && (exchange.gave_way() || exchange.disturbed());
     unanswered_.note(object, exchange.transfer().is_upload());
@@ -176,7 +187,7 @@ boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
     unanswered_.clear();
   }
   if (exchange.transfer().in_segments() && exchange.timed_out()) {
-    send_abort(abort_request(object, exchange.gave_way() ? kGeneralError : kTimedOut));
+    send_abort(abort_request(object, exchange.gave_way() ? kAbortGeneral : kAbortTimedOut));
   }
 }
 
@@ -213,6 +224,18 @@ void SdoClient::on_end(const SdoTransfer& transfer) {
   }
 }
 
+SdoSettings SdoClient::settings_of_whole() const {
+  SdoSettings settings = channel_.settings;
+  settings.block = settings.block && !block_unknown_;
+  return settings;
+}
+
+void SdoClient::on_block_unknown(std::string_view how) {
+  if (!std::exchange(block_unknown_, true) && remark_handler_) {
+    remark_handler_("the drive " + std::string(how) + " (sdo.block), so segments are used");
+  }
+}
+
 void SdoClient::withdraw_commands() {
   line_.call_off({SdoLine::Kind::command}, {.kind = ErrorKind::offline,
                                             .not_sent = true,
@@ -226,6 +249,7 @@ void SdoClient::interrupt() {
   const Error why{.kind = ErrorKind::offline, .detail = kInterrupted};
   line_.call_off({SdoLine::Kind::transfer, SdoLine::Kind::command}, why);
   answered_ = false;
+  block_unknown_ = false;
   ++interruptions_;
   abort_.reset();
   if (exchange_ != nullptr && !(exchange_->is_stop() && exchange_->waits_to_leave())) {

@@ -31,7 +31,7 @@ class Bus;
 
 /// The SDO client of one node (default channel, 0x600 and 0x580 + node id). One transfer at a time; who comes later
 /// waits in order, stops before commands and these before the others. A read that is to be tried again lets them go
-/// first, and a segmented one is aborted for them and begun anew. Errors name node, object and abort code.
+/// first, and one in segments or blocks is aborted for them and begun anew. Errors name node, object and abort code.
 ///
 /// Late answers (Unanswered): an answer is taken only for the object that was asked for. Where an earlier request for
 /// the same object was interrupted or went unanswered, its answer could pass for that of a new request; then another
@@ -69,9 +69,10 @@ class SdoClient {
     return read(object, type, 1 + channel_.settings.retries, due);
   }
   /// Upload of an object whole, whatever it is: up to SdoTransfer::kMaxBytes, else `protocol`. `expected`: its bytes
-  /// for a device that does not tell them; 0: not known.
+  /// for a device that does not tell them; 0: not known. By block transfer where the settings say so and the node has
+  /// not refused it since the last interruption. Where commands ended it kMostGivenUp times: `timeout`.
   boost::asio::awaitable<Result<std::vector<std::uint8_t>>> read_bytes(ObjectAddress object, std::size_t expected) {
-    return run(upload(object, expected), 1 + channel_.settings.retries, Clock::now());
+    return run(SdoTransfer::upload(settings_of_whole(), object, expected), 1 + channel_.settings.retries, Clock::now());
   }
   /// read(), tried once: for finding out whether anybody is there.
   boost::asio::awaitable<Result<Raw>> probe(ObjectAddress object, DataType type) {
@@ -86,10 +87,10 @@ class SdoClient {
   boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, DataType type, Raw raw, TimePoint deadline) {
     return send_command(download(object, type, raw), deadline);
   }
-  /// The same with at least one byte of any meaning.
+  /// The same with at least one byte of any meaning, by block transfer as read_bytes().
   boost::asio::awaitable<Result<void>> write_command(ObjectAddress object, std::span<const std::uint8_t> data,
                                                      TimePoint deadline) {
-    return send_command(SdoTransfer::download(channel_.settings, object, data), deadline);
+    return send_command(SdoTransfer::download(settings_of_whole(), object, data), deadline);
   }
   /// Download of a stop: before everything that waits but older stops, without proof, however little time is left. What
   /// is under way has 100 ms more for its answer: a read or setting is tried again behind the stop.
@@ -130,9 +131,11 @@ class SdoClient {
   boost::asio::awaitable<void> until_idle() { return line_.until_empty(); }
 
   static constexpr unsigned kStopsSent = 8;
+  static constexpr unsigned kMostGivenUp = 20;
 
  private:
   using Bytes = std::vector<std::uint8_t>;
+  static constexpr std::size_t kLongestType = 8;
   static constexpr const char* kMayBeOlder = "the answer may be that to an earlier request";
 
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type, unsigned tries, TimePoint due);
@@ -149,9 +152,12 @@ class SdoClient {
   void on_frame(const Received& received);
   void on_foreign_request(const Received& received);
   void on_end(const SdoTransfer& transfer);
-  [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = 0) const {
+  [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = kLongestType) const {
     return SdoTransfer::upload(channel_.settings, object, expected);
   }
+  /// Block transfer no more where the node was found not to know it.
+  [[nodiscard]] SdoSettings settings_of_whole() const;
+  void on_block_unknown(std::string_view how);
   [[nodiscard]] SdoTransfer download(ObjectAddress object, DataType type, Raw raw) const;
   [[nodiscard]] Result<Bytes> result(const SdoExchange& exchange, ObjectAddress object) const;
   [[nodiscard]] Result<void> outcome(const SdoExchange& command, bool certain) const;
@@ -159,8 +165,8 @@ class SdoClient {
   bool settles(const SdoExchange& stop, Unanswered::Count& older);
   [[nodiscard]] Error not_confirmed(const SdoExchange& stop) const;
   void send_abort(const SdoFrame& abort, TransmitClass transmit_class = TransmitClass::sdo);
-  /// The abort of a transfer before a stop leaves before it, or not at all any more.
-  void send_abort_first();
+  /// The abort of a transfer before a stop or command of that class leaves before it, or not at all any more.
+  void send_abort_first(TransmitClass transmit_class);
   [[nodiscard]] Error addressed(Error error, ObjectAddress object) const;
 
   SdoExchange::Channel channel_;
@@ -176,6 +182,7 @@ class SdoClient {
   Unanswered unanswered_;
   WriteTimes write_times_;
   bool answered_ = false;
+  bool block_unknown_ = false;  ///< The node does not know block transfer.
 
   Subscription subscription_;
   Subscription foreign_requests_;

@@ -29,7 +29,7 @@ boost::asio::awaitable<Result<void>> SdoClient::write_stop(ObjectAddress object,
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  send_abort_first();
+  send_abort_first(TransmitClass::stop);
   Unanswered::Count older = unanswered_.count(object);
   bool disturbed = false;
   for (unsigned sent = 1;; ++sent) {
@@ -62,7 +62,7 @@ boost::asio::awaitable<Result<Raw>> SdoClient::read_for_stop(ObjectAddress objec
   if (!co_await place.wait_until(deadline)) {
     co_return addressed(*place.called_off(), object);
   }
-  send_abort_first();
+  send_abort_first(TransmitClass::stop);
   // The answer to an older read of it may come first; the next one is ours, or as new.
   const int reads = unanswered_.contains(object) ? 2 : 1;
   Result<Bytes> bytes = Error{};
@@ -90,11 +90,11 @@ void SdoClient::hurry_stop(StopLimit& limit, TimePoint deadline) {
   }
 }
 
-/// A server in the middle of a segmented transfer would take the stop for a protocol error of that one, and refuse it
-/// (CiA 301 §7.2.4.3). Of the class of stops, which keep their order, it leaves before the stop.
-void SdoClient::send_abort_first() {
+/// A server in the middle of a segmented or block transfer would take the stop or command for a protocol error of that
+/// one, and refuse it (CiA 301 §7.2.4.3). Of the same class and COB-ID, and older, it leaves first.
+void SdoClient::send_abort_first(TransmitClass transmit_class) {
   if (abort_.waiting()) {
-    send_abort(aborted_, TransmitClass::stop);
+    send_abort(aborted_, transmit_class);
   }
 }
 

@@ -23,7 +23,12 @@ SdoExchange::SdoExchange(const Channel& channel, SdoTransfer transfer, TransmitC
 boost::asio::awaitable<void> SdoExchange::run() {
   send();
   while (!over_ && channel_.bus.may_still_hear(due_)) {
-    co_await ended_.wait_until(or_soon(due_));
+    if (Clock::now() >= next_at_) {
+      send();
+    } else {
+      const TimePoint until = std::min(next_at_, or_soon(due_));
+      co_await ended_.wait_until(until);
+    }
   }
   cut_short_ = !over_ && due_ == limit_;
   request_.withdraw();  // The deadline may have come before its departure.
@@ -33,21 +38,37 @@ boost::asio::awaitable<void> SdoExchange::run() {
 }
 
 SdoTransfer::Step SdoExchange::on_answer(std::span<const std::uint8_t> answer) {
-  if (over_ || request_.waiting()) {
+  if (over_ || (request_.waiting() && !transfer_.in_block())) {
     return SdoTransfer::Step::ignored;  // While ours has not left it is that to another's request.
   }
   const SdoTransfer::Step step = transfer_.on_answer(answer, late_possible_);
-  waits_ = waits_ && step == SdoTransfer::Step::ignored;
-  if (step == SdoTransfer::Step::completed) {
-    end({});
-  } else if (step == SdoTransfer::Step::failed) {
-    end(transfer_.error());
-  } else if (step == SdoTransfer::Step::more && withdrawn_ && transfer_.is_upload()) {
-    end(Error{.kind = ErrorKind::timeout, .detail = "given up for a command"});
-  } else if (step == SdoTransfer::Step::more) {
-    send();
+  waits_ = waits_ && (step == SdoTransfer::Step::ignored || step == SdoTransfer::Step::taken);
+  switch (step) {
+    case SdoTransfer::Step::ignored:
+      break;
+    case SdoTransfer::Step::completed:
+      end({});
+      break;
+    case SdoTransfer::Step::failed:
+      end(transfer_.error());
+      break;
+    case SdoTransfer::Step::taken:
+    case SdoTransfer::Step::more:
+      if (withdrawn_ && transfer_.is_upload() && !transfer_.only_to_confirm()) {
+        give_up();
+      } else if (step == SdoTransfer::Step::more) {
+        send_in_turn();
+      } else {
+        await_answer(Clock::now());
+      }
+      break;
   }
   return step;
+}
+
+void SdoExchange::give_up() {
+  given_up_ = true;
+  end(Error{.kind = ErrorKind::timeout, .detail = "given up for a command"});
 }
 
 void SdoExchange::interrupt(Error why) {
@@ -62,6 +83,9 @@ void SdoExchange::withdraw() {
   if (!over_ && (!transfer_.in_segments() || transfer_.is_upload())) {
     withdrawn_ = true;
     request_.withdraw();
+    if (next_at_ != kNever) {
+      give_up();
+    }
   }
 }
 
@@ -83,14 +107,28 @@ bool SdoExchange::disturb() {
 
 void SdoExchange::send() {
   if (is_sent_once() || transfer_.in_segments()) {
-    channel_.bus.sdo_budget().charge();  // The first request of any other transfer was granted.
+    channel_.bus.sdo_budget().charge(transfer_.load());  // The first request of any other transfer was granted.
   }
+  next_at_ = kNever;
   due_ = std::min(deadline_, limit_);
   departure_.reset();
   waits_ = true;
   const TimePoint until = is_sent_once() ? deadline_ : std::min(deadline_, Clock::now() + TransmitQueue::kLifeTime);
   const Frame frame = sdo_request_frame(channel_.node, transfer_.request());
   request_ = channel_.bus.send(transmit_class_, frame, until, [this](Departure how) { on_departure(how); });
+}
+
+// A sub-block of a server is many frames that go before all heartbeats. It waits for us as long as we wait for it, or
+// so.
+void SdoExchange::send_in_turn() {
+  const TimePoint free_at = channel_.bus.sdo_budget().free_at();
+  if (is_sent_once() || !transfer_.begins_sub_block() || free_at <= Clock::now()) {
+    send();
+    return;
+  }
+  next_at_ = std::min(free_at, Clock::now() + channel_.settings.timeout / 2);
+  due_ = std::min(deadline_, limit_);
+  ended_.notify();
 }
 
 void SdoExchange::on_departure(Departure how) {
@@ -104,9 +142,20 @@ void SdoExchange::on_departure(Departure how) {
   }
   // Without its echo it may have left all the same: an answer would prove it.
   left_at_ = Clock::now();
+  const SdoTransfer::Step step = transfer_.on_departure();
+  if (step == SdoTransfer::Step::completed) {
+    waits_ = false;
+    end({});
+  } else if (step == SdoTransfer::Step::more) {
+    next_at_ = left_at_;  // By run(): the bus must not be called from here.
+  }
+  await_answer(left_at_);
+}
+
+void SdoExchange::await_answer(TimePoint from) {
   due_ = std::min(deadline_, limit_);
   if (!is_sent_once()) {
-    due_ = std::min(due_, left_at_ + channel_.settings.timeout);
+    due_ = std::min(due_, from + channel_.settings.timeout);
   }
   ended_.notify();
 }

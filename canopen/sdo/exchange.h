@@ -36,14 +36,16 @@ class SdoExchange {
   SdoExchange(const SdoExchange&) = delete;
   SdoExchange& operator=(const SdoExchange&) = delete;
 
-  /// Sends the first request and returns when all is over.
+  /// Sends the first request and returns when all is over. Of requests that follow each other without an answer each
+  /// waits for the departure of the one before, so that all else that is to leave gets in between; and with more than
+  /// an answer to come a request waits for the budget of the bus, half of the time of an answer at most.
   boost::asio::awaitable<void> run();
   /// Takes a frame of the node; where it asks for more, the next request is sent.
   SdoTransfer::Step on_answer(std::span<const std::uint8_t> answer);
   /// Ends it, for a reason from outside.
   void interrupt(Error why);
-  /// Where the first request has not left it never will. An upload in segments ends, with its next answer at the
-  /// latest.
+  /// Where the first request has not left it never will. An upload in segments or blocks ends, with the next frame of
+  /// the node at the latest.
   void withdraw();
   /// The same, and its answer is not awaited after `until`.
   void hurry(TimePoint until);
@@ -64,12 +66,17 @@ class SdoExchange {
   [[nodiscard]] bool unanswered() const noexcept { return waits_ && !never_left(); }
   [[nodiscard]] bool timed_out() const noexcept { return error_ && error_->kind == ErrorKind::timeout; }
   /// It ended because it was withdrawn, or to be over soon.
-  [[nodiscard]] bool gave_way() const noexcept { return cut_short_ || (withdrawn_ && timed_out() && !unanswered()); }
+  [[nodiscard]] bool gave_way() const noexcept {
+    return cut_short_ || given_up_ || (withdrawn_ && timed_out() && !unanswered());
+  }
   /// It ended because another client asked the node.
   [[nodiscard]] bool disturbed() const noexcept { return disturbed_; }
 
  private:
   void send();
+  void send_in_turn();
+  void await_answer(TimePoint from);
+  void give_up();
   void on_departure(Departure how);
   void end(std::optional<Error> why);
   [[nodiscard]] bool is_sent_once() const noexcept { return is_command() || is_stop(); }
@@ -81,9 +88,10 @@ class SdoExchange {
   const Channel& channel_;
   SdoTransfer transfer_;
   TransmitClass transmit_class_;
-  TimePoint due_ = kNever;    ///< The next answer must be here by then; not known before the request has left.
-  TimePoint deadline_;        ///< `due_` never passes it,
-  TimePoint limit_ = kNever;  ///< nor that.
+  TimePoint due_ = kNever;      ///< The next answer must be here by then; not known before the request has left.
+  TimePoint deadline_;          ///< `due_` never passes it,
+  TimePoint limit_ = kNever;    ///< nor that.
+  TimePoint next_at_ = kNever;  ///< The next request is to be sent then.
   bool late_possible_;
   Event ended_;
   Ticket request_;
@@ -91,6 +99,7 @@ class SdoExchange {
   TimePoint left_at_{};                 ///< The same, where it left or may have.
   bool waits_ = true;                   ///< The newest request has no answer yet.
   bool withdrawn_ = false;
+  bool given_up_ = false;
   bool cut_short_ = false;
   bool disturbed_ = false;
   bool over_ = false;

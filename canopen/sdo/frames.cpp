@@ -46,6 +46,12 @@ std::uint32_t decode_u32(std::span<const std::uint8_t> bytes) noexcept {
   return number;
 }
 
+SdoFrame whole_frame(std::span<const std::uint8_t> bytes) noexcept {
+  SdoFrame frame{};
+  std::copy_n(bytes.begin(), std::min(bytes.size(), frame.size()), frame.begin());
+  return frame;
+}
+
 SdoFrame upload_request(ObjectAddress object) noexcept {
   return addressed(kUpload, object);
 }

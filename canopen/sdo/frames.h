@@ -67,6 +67,9 @@ enum class SdoRequest : std::uint8_t {
 /// Little-endian; `bytes` holds at least 4.
 [[nodiscard]] std::uint32_t decode_u32(std::span<const std::uint8_t> bytes) noexcept;
 
+/// Up to 8 bytes, and zeros behind them.
+[[nodiscard]] SdoFrame whole_frame(std::span<const std::uint8_t> bytes) noexcept;
+
 [[nodiscard]] SdoFrame upload_request(ObjectAddress object) noexcept;
 /// Of at least one byte; up to four are in the request itself, of more it announces the size.
 [[nodiscard]] SdoFrame download_request(ObjectAddress object, std::span<const std::uint8_t> data) noexcept;
