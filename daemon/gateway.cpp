@@ -97,8 +97,14 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
                                  .info = [](const std::string& text) { spdlog::info(text); }});
   }
   for (std::size_t i = 0; i < buses_.size(); ++i) {
-    buses_[i].state =
-        buses_[i].bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+    BusInUse& in_use = buses_[i];
+    in_use.state =
+        in_use.bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+    in_use.watch = std::make_unique<canopen::BusWatch>(
+        executor, *in_use.bus, model.buses[i].other_master,
+        canopen::BusWatch::Handlers{
+            .changed = [this, i](const canopen::BusTroubles& troubles) { plant_.set_bus_troubles(i, troubles); },
+            .remark = [name = model.buses[i].name](const std::string& text) { spdlog::info("{}: {}", name, text); }});
   }
 }
 
@@ -108,7 +114,7 @@ std::vector<Gateway::BusInUse> Gateway::make_buses(const boost::asio::any_io_exe
                                                    const config::Model& model, const LinkFactory& make_link) {
   std::vector<BusInUse> buses;
   for (const config::Bus& bus : model.buses) {
-    buses.push_back({std::make_unique<canopen::Bus>(executor, make_link(bus), settings_of(bus)), {}});
+    buses.push_back({std::make_unique<canopen::Bus>(executor, make_link(bus), settings_of(bus))});
   }
   return buses;
 }
@@ -140,6 +146,7 @@ void Gateway::start() {
   plant_.start();
   for (BusInUse& in_use : buses_) {
     in_use.bus->start();
+    in_use.watch->start();
   }
 }
 
@@ -164,6 +171,7 @@ boost::asio::awaitable<void> Gateway::stop() {
     co_await modbus_->stop();
   }
   for (BusInUse& in_use : buses_) {
+    in_use.watch->stop();
     co_await in_use.bus->stop();
   }
   event_log_.finish();

@@ -83,8 +83,8 @@ const SectionOf<Bus>& bus_section() {
            "sdo_load", &Bus::sdo_load, number(0.1, 1.0),
            "Load that all traffic together may reach while SDO transfers of the gateway run; SDO keeps a tenth of the "
            "bus all the same. Without `bitrate`: eight transfers at once."),
-       Field::later("other_master", "true or false", "false",
-                    "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
+       Field("other_master", &Bus::other_master, boolean(),
+             "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
        Field("echo", &Bus::echo,
              choice<canopen::EchoProves>({{"auto", canopen::EchoProves::by_driver},
                                           {"departure", canopen::EchoProves::departure},
