@@ -100,6 +100,12 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     BusInUse& in_use = buses_[i];
     in_use.state =
         in_use.bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+    in_use.timing = in_use.bus->subscribe_timing([bus = &model.buses[i]](const canopen::BitTiming& timing) {
+      spdlog::info("{}: {}", bus->name, describe(timing));
+      for (const std::string& doubt : doubts_about(timing, bus->bitrate)) {
+        spdlog::warn("{}: {}", bus->name, doubt);
+      }
+    });
     in_use.watch = std::make_unique<canopen::BusWatch>(
         executor, *in_use.bus, model.buses[i].other_master,
         canopen::BusWatch::Handlers{

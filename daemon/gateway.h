@@ -52,6 +52,7 @@ class Gateway {
     std::unique_ptr<canopen::Bus> bus;
     std::unique_ptr<canopen::BusWatch> watch{};
     canopen::Subscription state{};
+    canopen::Subscription timing{};
   };
 
   static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,

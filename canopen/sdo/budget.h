@@ -50,6 +50,8 @@ class SdoBudget {
   SdoBudget& operator=(const SdoBudget&) = delete;
   ~SdoBudget() = default;
 
+  /// The interface told it.
+  void set_bitrate(std::uint32_t bitrate);
   /// A request and its answer that nobody claimed a place for.
   void charge();
   [[nodiscard]] std::size_t most_at_once() const noexcept { return most_at_once_; }
@@ -70,7 +72,7 @@ class SdoBudget {
   std::optional<std::uint32_t> bitrate_;
   double most_load_;
   BusLoad& load_;
-  std::size_t most_at_once_;
+  std::size_t most_at_once_ = kAtOnceWithoutBitrate;
   Duration answer_time_;         ///< How long a granted place counts.
   std::vector<Claim*> waiting_;  ///< The next one first.
   std::vector<Claim*> granted_;  ///< Those that count, in the order they were granted.

@@ -71,8 +71,9 @@ const SectionOf<Bus>& bus_section() {
        Field("interface", &Bus::interface, text(), "A SocketCAN interface, or `virtual`: a bus inside the process.")
            .unset("the bus' name"),
        Field("bitrate", &Bus::bitrate, integer(10'000, 1'000'000, "bit/s", "250000"),
-             "Bit/s, only to work out the bus load; the system sets the interface up.")
-           .unset("none: no load shown"),
+             "Bit/s, for load and waiting times; the system sets the interface up. Where the interface tells its own, "
+             "that one is used.")
+           .unset("by the interface; no load shown where it tells none"),
        Field("node_id", &Bus::node_id, integer(0, 127), "The gateway's own node id; 0: none, and no heartbeat."),
        Field("heartbeat", &Bus::heartbeat, duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
              "Period of the gateway's own heartbeat; `0s`: none."),
