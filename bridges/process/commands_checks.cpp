@@ -190,6 +190,9 @@ Commands::Refusal Commands::refuse_unreachable() const {
   if (status.nmt != canopen::NmtState::operational) {
     return error(ErrorKind::offline, "the drive is " + std::string(name_of(status.nmt)) + ", not operational");
   }
+  if (status.doubled == canopen::Doubled::proof) {
+    return error(ErrorKind::offline, "two nodes have its node id, no commands but stops: " + status.doubled_text);
+  }
   return std::nullopt;
 }
 

@@ -31,14 +31,26 @@ class Plant::Body {
       drives.back()->on_fault_began([this, i](alarms::AlarmKind kind, canopen::TimePoint at) {
         first_out.on_fault({.index = i, .kind = kind}, at, drives[i]->alarm(kind).first);
       });
+      drives.back()->on_doubled_change([this, bus = drive.bus] { show(bus); });
     }
   }
 
   [[nodiscard]] std::vector<alarms::BusFinding> findings(std::size_t bus) const {
-    return alarms::bus_findings({.state = lines[bus].state,
-                                 .own_node_id = model.buses[bus].node_id,
-                                 .troubles = lines[bus].troubles,
-                                 .other_gateway = other_gateway});
+    alarms::BusView view{.state = lines[bus].state,
+                         .own_node_id = model.buses[bus].node_id,
+                         .troubles = lines[bus].troubles,
+                         .doubled = {},
+                         .other_gateway = other_gateway};
+    for (const auto& drive : drives) {
+      const canopen::NodeStatus& status = drive->status();
+      if (drive->model().bus == bus && status.doubled != canopen::Doubled::no) {
+        view.doubled.push_back({.drive = drive->model().name,
+                                .node = drive->model().node.node,
+                                .proof = status.doubled == canopen::Doubled::proof,
+                                .text = status.doubled_text});
+      }
+    }
+    return alarms::bus_findings(view);
   }
 
   void show(std::size_t bus) {

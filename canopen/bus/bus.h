@@ -26,7 +26,7 @@ namespace canopen {
 
 struct BusSettings {
   std::optional<std::uint32_t> bitrate{};  ///< bit/s, until the interface tells it; neither: no load, usual times.
-  std::uint8_t node_id = 127;                           ///< Our own; 0: none, no heartbeat.
+  std::uint8_t node_id = 127;              ///< Our own; 0: none, no heartbeat.
   Duration heartbeat = std::chrono::milliseconds(500);  ///< Zero: none.
   Duration sync{};                                      ///< Zero: no SYNC.
   double sdo_load = SdoBudget::kUsualLoad;              ///< See SdoBudget; 0..1. Without a bit rate not used.

@@ -56,7 +56,7 @@ void DoubledId::on_heartbeat(NmtState state, TimePoint at) {
 }
 
 void DoubledId::on_boot_up(TimePoint at) {
-  const bool reset = commanded_since(at - kResetTime);
+  const bool reset = reset_at_ && *reset_at_ >= at - kResetTime;
   if (period_ > Duration::zero() && boot_up_at_ && at - *boot_up_at_ <= period_ && !reset) {
     note(proof_, at, "two boot-ups within one heartbeat period, and nobody reset it");
   }
@@ -67,10 +67,8 @@ void DoubledId::on_boot_up(TimePoint at) {
 
 void DoubledId::on_nmt(NmtCommand command, TimePoint at) {
   nmt_at_ = at;
-  if (command == NmtCommand::start) {
-    proof_.reset();
-    hint_.reset();
-    rate_.begin_anew();
+  if (command == NmtCommand::reset_node || command == NmtCommand::reset_communication) {
+    reset_at_ = at;
   }
 }
 
@@ -86,7 +84,9 @@ void DoubledId::on_doubled_tpdo(std::uint16_t number, TimePoint at) {
   note(hint_, at, "TPDO " + std::to_string(number) + " comes twice as often as it should");
 }
 
-void DoubledId::on_silence() noexcept {
+void DoubledId::end() noexcept {
+  proof_.reset();
+  hint_.reset();
   before_ = {};
   boot_up_at_.reset();
   rate_.begin_anew();

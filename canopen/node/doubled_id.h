@@ -30,8 +30,8 @@ class RateCheck {
   std::size_t count_ = 0;  ///< Since the beginning; the newest kIntervals + 1 are kept.
 };
 
-/// Looks for a second node under one node id, by what is heard of it. Proof and hint are told for as long as signs come,
-/// and a minute longer; an NMT start ends them. A plain value: its owner tells the time.
+/// Looks for a second node under one node id, by what is heard of it. Proof and hint are told for as long as signs
+/// come, and a minute longer. A plain value: its owner tells the time.
 class DoubledId {
  public:
   static constexpr Duration kForgotten = std::chrono::minutes(1);
@@ -41,15 +41,15 @@ class DoubledId {
 
   void on_heartbeat(NmtState state, TimePoint at);
   void on_boot_up(TimePoint at);
-  /// An NMT command to it or to all left or was heard: what its state does next is no sign.
+  /// An NMT command to it or to all left or was heard: what its state does next is no sign, nor, of a reset, a boot-up.
   void on_nmt(NmtCommand command, TimePoint at);
   /// Another SDO answer to a request that had its answer already; `different`: it says something else. The owner sees
   /// to it that nobody else had asked.
   void on_second_answer(bool different, TimePoint at);
   /// A TPDO that follows the SYNC came at twice its rate.
   void on_doubled_tpdo(std::uint16_t number, TimePoint at);
-  /// It is lost: what was heard before is not compared with what comes.
-  void on_silence() noexcept;
+  /// Nothing of what was heard so far counts any more.
+  void end() noexcept;
 
   /// Forgets what is too old.
   void look(TimePoint now);
@@ -75,7 +75,8 @@ class DoubledId {
   RateCheck rate_;
   std::array<std::optional<State>, 2> before_{};  ///< The states before the newest one, newest first.
   std::optional<TimePoint> boot_up_at_;
-  std::optional<TimePoint> nmt_at_;
+  std::optional<TimePoint> nmt_at_;    ///< Of the newest NMT command.
+  std::optional<TimePoint> reset_at_;  ///< Of the newest that ends in a boot-up.
   std::optional<Sign> proof_;
   std::optional<Sign> hint_;
 };

@@ -132,18 +132,19 @@ TEST_F(DoubledIdTest, EndsAMinuteAfterTheLastSign) {
   EXPECT_TRUE(id_.text().empty());
 }
 
-TEST_F(DoubledIdTest, AnNmtStartEndsItAndNoOtherCommand) {
+TEST_F(DoubledIdTest, CommandsDoNotEndItButItsOwnerDoes) {
   id_.on_second_answer(true, now_);
   id_.on_nmt(NmtCommand::stop, now_);
-  EXPECT_EQ(id_.verdict(), Doubled::proof);
   id_.on_nmt(NmtCommand::start, now_);
+  EXPECT_EQ(id_.verdict(), Doubled::proof);
+  id_.end();
   EXPECT_EQ(id_.verdict(), Doubled::no);
 }
 
-TEST_F(DoubledIdTest, WhatWasHeardBeforeALossIsNotCompared) {
+TEST_F(DoubledIdTest, WhatWasHeardBeforeItsEndIsNotCompared) {
   heartbeats(kOperational, 1, 500ms);
   heartbeats(kPreOperational, 1, 100ms);
-  id_.on_silence();
+  id_.end();
   heartbeats(kOperational, 1, 100ms);
   EXPECT_EQ(id_.verdict(), Doubled::no);
 }

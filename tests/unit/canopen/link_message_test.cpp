@@ -57,10 +57,10 @@ Message timing(std::uint32_t bitrate, std::uint32_t sample_point) {
 }
 
 TEST(LinkMessage, AControllerTellsAllOfIt) {
-  const auto interface =
-      parse_link(link(timing(250'000, 875) + attribute(IFLA_CAN_STATE, bytes_of<std::uint32_t>(CAN_STATE_ERROR_PASSIVE)) +
-                      attribute(IFLA_CAN_RESTART_MS, bytes_of<std::uint32_t>(100)) +
-                      attribute(IFLA_CAN_BERR_COUNTER, bytes_of(can_berr_counter{.txerr = 128, .rxerr = 3}))));
+  const auto interface = parse_link(
+      link(timing(250'000, 875) + attribute(IFLA_CAN_STATE, bytes_of<std::uint32_t>(CAN_STATE_ERROR_PASSIVE)) +
+           attribute(IFLA_CAN_RESTART_MS, bytes_of<std::uint32_t>(100)) +
+           attribute(IFLA_CAN_BERR_COUNTER, bytes_of(can_berr_counter{.txerr = 128, .rxerr = 3}))));
   ASSERT_TRUE(interface);
   EXPECT_EQ(interface->index, 7);
   EXPECT_TRUE(interface->administratively_up);
@@ -74,7 +74,8 @@ TEST(LinkMessage, AControllerTellsAllOfIt) {
 }
 
 TEST(LinkMessage, OneThatWasNeverSetUpHasNoTiming) {
-  const auto interface = parse_link(link(timing(0, 0) + attribute(IFLA_CAN_RESTART_MS, bytes_of<std::uint32_t>(100)), 0));
+  const auto interface =
+      parse_link(link(timing(0, 0) + attribute(IFLA_CAN_RESTART_MS, bytes_of<std::uint32_t>(100)), 0));
   ASSERT_TRUE(interface);
   EXPECT_FALSE(interface->administratively_up);
   EXPECT_FALSE(interface->timing);
