@@ -107,8 +107,20 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
                                  .info = [](const std::string& text) { spdlog::info(text); }});
   }
   for (std::size_t i = 0; i < buses_.size(); ++i) {
-    buses_[i].state =
-        buses_[i].bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+    BusInUse& in_use = buses_[i];
+    in_use.state =
+        in_use.bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+    in_use.timing = in_use.bus->subscribe_timing([bus = &model.buses[i]](const canopen::BitTiming& timing) {
+      spdlog::info("{}: {}", bus->name, describe(timing));
+      for (const std::string& doubt : doubts_about(timing, bus->bitrate)) {
+        spdlog::warn("{}: {}", bus->name, doubt);
+      }
+    });
+    in_use.watch = std::make_unique<canopen::BusWatch>(
+        executor, *in_use.bus, model.buses[i].other_master,
+        canopen::BusWatch::Handlers{
+            .changed = [this, i](const canopen::BusTroubles& troubles) { plant_.set_bus_troubles(i, troubles); },
+            .remark = [name = model.buses[i].name](const std::string& text) { spdlog::info("{}: {}", name, text); }});
   }
 }
 
@@ -118,7 +130,7 @@ std::vector<Gateway::BusInUse> Gateway::make_buses(const boost::asio::any_io_exe
                                                    const config::Model& model, const LinkFactory& make_link) {
   std::vector<BusInUse> buses;
   for (const config::Bus& bus : model.buses) {
-    buses.push_back({std::make_unique<canopen::Bus>(executor, make_link(bus), settings_of(bus)), {}});
+    buses.push_back({std::make_unique<canopen::Bus>(executor, make_link(bus), settings_of(bus))});
   }
   return buses;
 }
@@ -152,6 +164,7 @@ void Gateway::start(std::span<const int> passed) {
   plant_.start();
   for (BusInUse& in_use : buses_) {
     in_use.bus->start();
+    in_use.watch->start();
   }
 }
 
@@ -176,6 +189,7 @@ boost::asio::awaitable<void> Gateway::stop() {
     co_await modbus_->stop();
   }
   for (BusInUse& in_use : buses_) {
+    in_use.watch->stop();
     co_await in_use.bus->stop();
   }
   event_log_.finish();

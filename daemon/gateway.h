@@ -14,6 +14,7 @@
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
+#include "canopen/bus/bus_watch.h"
 #include "canopen/bus/link.h"
 #include "canopen/clock.h"
 #include "config/model.h"
@@ -50,7 +51,9 @@ class Gateway {
   /// A bus, and what hears of its state. The subscription goes before the bus.
   struct BusInUse {
     std::unique_ptr<canopen::Bus> bus;
-    canopen::Subscription state;
+    std::unique_ptr<canopen::BusWatch> watch{};
+    canopen::Subscription state{};
+    canopen::Subscription timing{};
   };
 
   static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,

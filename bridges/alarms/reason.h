@@ -9,7 +9,7 @@
 
 namespace alarms {
 
-// The closed list of Alarm::reason, but for `control` (control_alarm.h) and `data`; docs/ALARMS.md says what each
+// The closed list of Alarm::reason, but for `control` (control_alarm.h), `data` and more of a bus (bus_findings.h); docs/ALARMS.md says what each
 // means.
 
 /// `never-appeared` or `lost`: of a node whose error control ran out.
@@ -19,9 +19,6 @@ namespace alarms {
 [[nodiscard]] std::string_view boot_reason(const canopen::NodeStatus& status) noexcept;
 /// `warning`, `passive`, `bus-off`, `down`; empty: no alarm.
 [[nodiscard]] std::string_view bus_reason(canopen::BusCondition condition) noexcept;
-
-/// Of a bus: another gateway of our name is at the MQTT broker, and commands drives of its own or the same ones.
-inline constexpr std::string_view kOtherGateway = "other-gateway";
 
 /// Of an alarm without codes; of `emcy` each error has its own.
 [[nodiscard]] config::Severity severity_of(AlarmKind kind) noexcept;

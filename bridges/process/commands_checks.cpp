@@ -190,6 +190,9 @@ Commands::Refusal Commands::refuse_unreachable() const {
   if (status.nmt != canopen::NmtState::operational) {
     return error(ErrorKind::offline, "the drive is " + std::string(name_of(status.nmt)) + ", not operational");
   }
+  if (status.doubled == canopen::Doubled::proof) {
+    return error(ErrorKind::offline, "two nodes have its node id, no commands but stops: " + status.doubled_text);
+  }
   return std::nullopt;
 }
 
@@ -236,6 +239,10 @@ Commands::Refusal Commands::refuse_for_time(const PendingCommand& command) const
 }
 
 Commands::Refusal Commands::refuse_nmt(canopen::NmtCommand command, std::optional<bool> running) const {
+  const bool starts_or_stops = command == canopen::NmtCommand::start || command == canopen::NmtCommand::stop;
+  if (node_.status().doubled == canopen::Doubled::proof && !starts_or_stops) {
+    return error(ErrorKind::offline, "two nodes have its node id: NMT start and stop only");
+  }
   if (command == canopen::NmtCommand::start || model_.commands.nmt_while_running || running == false) {
     return std::nullopt;
   }

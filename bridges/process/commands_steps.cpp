@@ -206,9 +206,12 @@ bool Commands::holds_all(std::span<const Field> fields) const {
 }
 
 void Commands::on_status(const canopen::NodeStatus& status) {
-  const bool live = status.online && status.nmt == canopen::NmtState::operational;
+  const bool doubled = status.doubled == canopen::Doubled::proof;
+  const bool live = status.online && status.nmt == canopen::NmtState::operational && !doubled;
   if (std::exchange(live_, live) && !live) {
-    commanded_.on_session_end(status.lost ? "the drive was lost" : "the drive left operational or is not online");
+    const std::string_view left =
+        doubled ? "two nodes have its node id" : "the drive left operational or is not online";
+    commanded_.on_session_end(status.lost ? "the drive was lost" : left);
     control_.on_session_end();
     on_void();
   }

@@ -78,6 +78,9 @@ void Drive::on_status(const canopen::NodeStatus& status) {
   commands_.on_status(status);
   inputs_.on_status(status.online, status.nmt == canopen::NmtState::operational, canopen::Clock::now());
   alarms_.on_status(status, canopen::wall_now());
+  if (std::exchange(told_doubled_, status.doubled) != status.doubled && doubled_changed_) {
+    doubled_changed_();
+  }
   if (std::exchange(was_online_, status.online) != status.online) {
     had_fault_ = false;
     had_quick_stop_ = false;

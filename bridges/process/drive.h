@@ -111,6 +111,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
 
   /// Before start(), see alarms::DriveAlarms.
   void on_fault_began(alarms::DriveAlarms::FaultBegan began) { alarms_.on_fault_began(std::move(began)); }
+  /// NodeStatus::doubled is another one.
+  void on_doubled_change(std::function<void()> changed) { doubled_changed_ = std::move(changed); }
   void set_first(alarms::AlarmKind kind, bool first) { alarms_.set_first(kind, first, canopen::wall_now()); }
 
   /// As it was before our start, see alarms::DriveAlarms. Before start().
@@ -193,6 +195,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   std::optional<alarms::DataProblem> emcy_problem_;
   bool data_known_ = false;  ///< The drive itself has told what is wrong with its data, or that nothing is.
   bool was_online_ = false;
+  canopen::Doubled told_doubled_ = canopen::Doubled::no;
+  std::function<void()> doubled_changed_;
 };
 
 }  // namespace process

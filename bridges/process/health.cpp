@@ -59,8 +59,8 @@ Health health_of(const Plant& plant) {
     BusHealth& shown = health.buses.emplace_back();
     shown.name = bus.name;
     shown.condition = plant.bus_state(i).condition;
-    if (bus.bitrate) {
-      shown.load = plant.bus_statistics(i).load_per_mille / 1000.0;
+    if (const canopen::BusStatistics statistics = plant.bus_statistics(i); statistics.bitrate != 0) {
+      shown.load = statistics.load_per_mille / 1000.0;
     }
   }
   return health;

@@ -6,21 +6,16 @@
 #include <utility>
 
 #include "bridges/alarms/alarm_record.h"
-#include "bridges/alarms/reason.h"
+#include "bridges/alarms/bus_findings.h"
 #include "bridges/process/observer.h"
 
 namespace process {
-namespace {
-
-constexpr std::string_view kOtherGatewayText = "another gateway of this name lives at the MQTT broker";
-
-}  // namespace
-
 class Plant::Body {
  public:
   struct Line {
     BusPort port;
     canopen::BusState state{};
+    canopen::BusTroubles troubles{};
     alarms::AlarmRecord alarm{};
     bool told = false;  ///< The bus told its state.
   };
@@ -36,17 +31,31 @@ class Plant::Body {
       drives.back()->on_fault_began([this, i](alarms::AlarmKind kind, canopen::TimePoint at) {
         first_out.on_fault({.index = i, .kind = kind}, at, drives[i]->alarm(kind).first);
       });
+      drives.back()->on_doubled_change([this, bus = drive.bus] { show(bus); });
     }
   }
 
+  [[nodiscard]] std::vector<alarms::BusFinding> findings(std::size_t bus) const {
+    alarms::BusView view{.state = lines[bus].state,
+                         .own_node_id = model.buses[bus].node_id,
+                         .troubles = lines[bus].troubles,
+                         .doubled = {},
+                         .other_gateway = other_gateway};
+    for (const auto& drive : drives) {
+      const canopen::NodeStatus& status = drive->status();
+      if (drive->model().bus == bus && status.doubled != canopen::Doubled::no) {
+        view.doubled.push_back({.drive = drive->model().name,
+                                .node = drive->model().node.node,
+                                .proof = status.doubled == canopen::Doubled::proof,
+                                .text = status.doubled_text});
+      }
+    }
+    return alarms::bus_findings(view);
+  }
+
   void show(std::size_t bus) {
-    const canopen::BusCondition condition = lines[bus].state.condition;
     alarms::AlarmRecord& alarm = lines[bus].alarm;
-    const bool disturbed = condition != canopen::BusCondition::error_active;
-    const bool other = !disturbed && other_gateway;
-    if (!alarm.show(disturbed || other, std::string(other ? alarms::kOtherGateway : alarms::bus_reason(condition)),
-                    std::string(other ? kOtherGatewayText : canopen::describe(condition)),
-                    alarms::severity_of(condition), canopen::wall_now())) {
+    if (!lines[bus].told || !show(findings(bus), lines[bus].state, alarm)) {
       return;
     }
     if (alarm.fault_began()) {
@@ -55,6 +64,20 @@ class Plant::Body {
       telling_bus.reset();
     }
     tell_bus_alarm(bus);
+  }
+
+  /// Reason and severity are those of the worst, the text names all. Where nothing is wrong the text says so.
+  static bool show(const std::vector<alarms::BusFinding>& findings, const canopen::BusState& state,
+                   alarms::AlarmRecord& alarm) {
+    if (findings.empty()) {
+      return alarm.show(false, "", std::string(canopen::describe(state.condition)), config::Severity::warning,
+                        canopen::wall_now());
+    }
+    std::string text;
+    for (const alarms::BusFinding& finding : findings) {
+      text += (text.empty() ? "" : "; ") + finding.text;
+    }
+    return alarm.show(true, std::string(findings.front().reason), text, findings.front().severity, canopen::wall_now());
   }
 
   void set_first(const alarms::FaultSource& source, bool first) {
@@ -163,12 +186,15 @@ void Plant::set_bus_state(std::size_t bus, const canopen::BusState& state) {
   }
 }
 
+void Plant::set_bus_troubles(std::size_t bus, const canopen::BusTroubles& troubles) {
+  body_->lines[bus].troubles = troubles;
+  body_->show(bus);
+}
+
 void Plant::set_other_gateway(bool lives) {
   body_->other_gateway = lives;
   for (std::size_t bus = 0; bus < body_->lines.size(); ++bus) {
-    if (body_->lines[bus].told) {
-      body_->show(bus);
-    }
+    body_->show(bus);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "bridges/alarms/first_out.h"
 #include "bridges/process/drive.h"
 #include "canopen/bus/bus_state.h"
+#include "canopen/bus/bus_watch.h"
 #include "config/model.h"
 
 namespace process {
@@ -58,7 +59,9 @@ class Plant {
   void restore_bus_alarm(std::size_t bus, const alarms::Alarm& before);
   /// The bus told so; drives hear it from the bus itself.
   void set_bus_state(std::size_t bus, const canopen::BusState& state);
-  /// Another gateway of our name lives, or does so no more: a warning of each bus that has nothing worse.
+  /// What was found wrong with the bus beside its state.
+  void set_bus_troubles(std::size_t bus, const canopen::BusTroubles& troubles);
+  /// Another gateway of our name lives, or does so no more: a warning of each bus.
   void set_other_gateway(bool lives);
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
   [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;

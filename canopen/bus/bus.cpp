@@ -10,6 +10,7 @@ Bus::Bus(boost::asio::any_io_executor executor, std::unique_ptr<Link> link, BusS
     : executor_(std::move(executor)),
       link_(std::move(link)),
       settings_(settings),
+      bitrate_(settings.bitrate),
       sdo_budget_(executor_, settings.bitrate, settings.sdo_load, load_),
       queue_(*link_, TransmitTimes::at(settings.bitrate), has_heartbeat()),
       wake_up_(executor_, [this] { service(); }),
@@ -54,6 +55,11 @@ Subscription Bus::subscribe_losses(LossHandler handler) {
   return Subscription([this, id] { loss_handlers_.remove(id); });
 }
 
+Subscription Bus::subscribe_timing(TimingHandler handler) {
+  const std::uint64_t id = timing_handlers_.add(std::move(handler));
+  return Subscription([this, id] { timing_handlers_.remove(id); });
+}
+
 Ticket Bus::send(TransmitClass transmit_class, const Frame& frame, TimePoint until, Ticket::Told told) {
   Ticket ticket = queue_.push(transmit_class, frame, until, std::move(told), Clock::now());
   if (ticket) {
@@ -63,9 +69,10 @@ Ticket Bus::send(TransmitClass transmit_class, const Frame& frame, TimePoint unt
 }
 
 const BusStatistics& Bus::statistics() noexcept {
-  if (settings_.bitrate) {
-    statistics_.load_per_mille = load_.per_mille(*settings_.bitrate, Clock::now());
-    statistics_.highest_load_per_mille = load_.highest_per_mille(*settings_.bitrate, Clock::now());
+  if (bitrate_) {
+    statistics_.bitrate = *bitrate_;
+    statistics_.load_per_mille = load_.per_mille(*bitrate_, Clock::now());
+    statistics_.highest_load_per_mille = load_.highest_per_mille(*bitrate_, Clock::now());
   }
   statistics_.error_frames = errors_.count();
   return statistics_;
@@ -113,6 +120,13 @@ void Bus::on_bus_state(const BusState& state) {
     go_down();
   }
   state_handlers_.call(state);
+}
+
+void Bus::on_bit_timing(const BitTiming& timing) {
+  bitrate_ = timing.bitrate;
+  sdo_budget_.set_bitrate(timing.bitrate);
+  queue_.set_times(TransmitTimes::at(timing.bitrate));
+  timing_handlers_.call(timing);
 }
 
 void Bus::come_up() {

@@ -25,8 +25,8 @@
 namespace canopen {
 
 struct BusSettings {
-  std::optional<std::uint32_t> bitrate{};               ///< bit/s; nothing: no load shown, and usual times.
-  std::uint8_t node_id = 127;                           ///< Our own; 0: none, no heartbeat.
+  std::optional<std::uint32_t> bitrate{};  ///< bit/s, until the interface tells it; neither: no load, usual times.
+  std::uint8_t node_id = 127;              ///< Our own; 0: none, no heartbeat.
   Duration heartbeat = std::chrono::milliseconds(500);  ///< Zero: none.
   Duration sync{};                                      ///< Zero: no SYNC.
   double sdo_load = SdoBudget::kUsualLoad;              ///< See SdoBudget; 0..1. Without a bit rate not used.
@@ -40,6 +40,7 @@ class Bus final : private LinkEvents {
   using FrameHandler = Dispatch::Handler;
   using StateHandler = std::function<void(const BusState&)>;
   using LossHandler = std::function<void(std::uint32_t)>;
+  using TimingHandler = std::function<void(const BitTiming&)>;
 
   Bus(boost::asio::any_io_executor executor, std::unique_ptr<Link> link, BusSettings settings);
   ~Bus() = default;
@@ -55,6 +56,7 @@ class Bus final : private LinkEvents {
   [[nodiscard]] Subscription subscribe(std::uint32_t cob_id, FrameHandler handler);
   [[nodiscard]] Subscription subscribe_state(StateHandler handler);
   [[nodiscard]] Subscription subscribe_losses(LossHandler handler);
+  [[nodiscard]] Subscription subscribe_timing(TimingHandler handler);
 
   /// Queues a frame that is to be with the kernel before `until`. `told` is called once, possibly from inside, and must
   /// not call the bus. The frame belongs to the ticket, which must go before the bus.
@@ -75,6 +77,8 @@ class Bus final : private LinkEvents {
   [[nodiscard]] const BusState& state() const noexcept { return state_; }
   [[nodiscard]] const BusStatistics& statistics() noexcept;
   [[nodiscard]] const BusSettings& settings() const noexcept { return settings_; }
+  /// bit/s, by the interface, else by the settings; nothing where neither tells it.
+  [[nodiscard]] std::optional<std::uint32_t> bitrate() const noexcept { return bitrate_; }
 
  private:
   friend class Transmission;
@@ -84,6 +88,7 @@ class Bus final : private LinkEvents {
   void on_bus_state(const BusState& state) override;
   void on_frames_lost(std::uint32_t count) override;
   void on_error_frame() override { errors_.add(true); }
+  void on_bit_timing(const BitTiming& timing) override;
 
   void come_up();
   void go_down();
@@ -95,6 +100,7 @@ class Bus final : private LinkEvents {
   boost::asio::any_io_executor executor_;
   std::unique_ptr<Link> link_;
   BusSettings settings_;
+  std::optional<std::uint32_t> bitrate_;
   BusState state_;
   bool told_ = false;  ///< The link said something: an interface that is missing from the start is news, too.
   BusStatistics statistics_;
@@ -104,6 +110,7 @@ class Bus final : private LinkEvents {
   Dispatch dispatch_;
   HandlerList<const BusState&> state_handlers_;
   HandlerList<std::uint32_t> loss_handlers_;
+  HandlerList<const BitTiming&> timing_handlers_;
   TransmitQueue queue_;
   WakeUp wake_up_;
   Ticket heartbeat_ticket_;

@@ -34,6 +34,7 @@ class InFlight {
  public:
   /// `has_heartbeat`: see TransmitQueue.
   InFlight(TransmitTimes times, bool has_heartbeat);
+  void set_times(TransmitTimes times) noexcept { times_ = times; }
 
   void add(Outgoing outgoing, TimePoint now);
   void on_echo(const Frame& frame, TimePoint at);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "canopen/bus/bit_timing.h"
 #include "canopen/bus/bus_state.h"
 #include "canopen/clock.h"
 #include "canopen/frame.h"
@@ -29,6 +30,8 @@ class LinkEvents {
   virtual void on_frames_lost(std::uint32_t count) = 0;
   /// The driver told of an error: a change of the error state, an overrun, a bus-off or the end of one.
   virtual void on_error_frame() {}
+  /// What the controller is set up with: when it is first known, and when it changed.
+  virtual void on_bit_timing(const BitTiming& /*timing*/) {}
 
  protected:
   ~LinkEvents() = default;

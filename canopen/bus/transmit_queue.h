@@ -57,6 +57,8 @@ class TransmitQueue {
   void on_received(TimePoint at) noexcept { last_sign_of_life_ = at; }
   /// Received frames were lost, and with them perhaps echoes.
   void on_frames_lost() { in_flight_.on_frames_lost(); }
+  /// For what is handed over from now on.
+  void set_times(TransmitTimes times) noexcept { in_flight_.set_times(times); }
   /// The bus came up or went down. What waits is dropped and answered when it goes down.
   void on_bus(bool up);
 

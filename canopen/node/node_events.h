@@ -9,6 +9,7 @@
 #include "canopen/clock.h"
 #include "canopen/nmt.h"
 #include "canopen/node/boot_result.h"
+#include "canopen/node/doubled_id.h"
 #include "canopen/node/emcy.h"
 #include "canopen/node/emcy_setup.h"
 #include "canopen/object.h"
@@ -37,6 +38,9 @@ struct NodeStatus {
   std::uint16_t emergencies = 0;
   std::uint16_t heartbeat_losses = 0;
   std::uint32_t last_abort = 0;  ///< Of the newest SDO abort, 0: none.
+  /// Whether another node has the same node id. With proof it takes no commands but stops.
+  Doubled doubled = Doubled::no;
+  std::string doubled_text;  ///< By what that is known.
 
   /// What it is by now as far as anybody knows.
   [[nodiscard]] NmtState nmt_now() const noexcept { return commanded.value_or(nmt); }

@@ -39,6 +39,7 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       watch_(
           executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
           [this] { on_silence(); }, [this](TimePoint until) { return bus_.may_still_hear(until); }),
+      doubled_(executor_, bus, settings_, [this] { on_doubled(); }),
       expectation_(settings_.error_control.heartbeat_timeout),
       restart_(settings_.restart) {
   sdo_.on_abort(
@@ -74,6 +75,7 @@ boost::asio::awaitable<void> RemoteNode::stop() {
   stopping_ = true;
   subscriptions_.clear();
   watch_.suspend();
+  doubled_.stop();
   end_life();
   sdo_.close();
   withdraw_nmt(NmtGroup::all);

@@ -15,6 +15,7 @@
 #include "canopen/error.h"
 #include "canopen/event.h"
 #include "canopen/node/configure.h"
+#include "canopen/node/doubled_watch.h"
 #include "canopen/node/find_state.h"
 #include "canopen/node/heartbeat_consumer.h"
 #include "canopen/node/life_context.h"
@@ -185,6 +186,7 @@ class RemoteNode {
   void on_emcy(const Received& received);
   void on_foreign_nmt(const Received& received);
   void on_silence();
+  void on_doubled();
   void on_bus_state(const BusState& state);
 
   // What is asked for.
@@ -219,6 +221,7 @@ class RemoteNode {
   SdoClient sdo_;
   Outputs outputs_;
   HeartbeatConsumer watch_;
+  DoubledWatch doubled_;
   std::vector<Tpdo> tpdos_;
   std::vector<std::uint16_t> verified_tpdos_;
 

@@ -164,6 +164,9 @@ boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, Tim
   if (stopping_ || !bus_.state().up()) {
     co_return offline_error({}, "the bus is down");
   }
+  if (command == NmtCommand::start) {
+    doubled_.end();
+  }
   if (command == NmtCommand::start && start_needs_boot()) {
     co_return co_await start_by_boot(deadline);
   }
@@ -184,8 +187,10 @@ boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, Ti
     sdo_.withdraw_commands();  // Of the same queue, and behind it.
   }
   // A stop or a reset may also reach a node that has rebooted meanwhile.
+  doubled_.on_nmt(command);
   NmtSending sending(*this, command, deadline, starts);
   Result<void> left = co_await sending.result();
+  doubled_.on_nmt(command);
   if (stopping_ || (starts && sending.withdrawn())) {
     co_return left.has_error() && !left.error().outcome_unknown ? withdrawn_error() : left;
   }
@@ -214,8 +219,11 @@ boost::asio::awaitable<std::optional<bool>> RemoteNode::motor_runs() {
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::transmit_nmt(NmtCommand command, TimePoint deadline) {
+  doubled_.on_nmt(command);
   NmtSending sending(*this, command, deadline, true);
-  co_return co_await sending.result();
+  const Result<void> left = co_await sending.result();
+  doubled_.on_nmt(command);
+  co_return left;
 }
 
 void RemoteNode::withdraw_nmt(NmtGroup which) {
@@ -269,7 +277,8 @@ void RemoteNode::withdraw_commands() {
 
 bool RemoteNode::takes_commands() const {
   // After an NMT stop the heartbeat still says operational for a while.
-  return stage_ == Stage::serving && status_.nmt == NmtState::operational && expectation_.may_start();
+  return stage_ == Stage::serving && status_.nmt == NmtState::operational && expectation_.may_start() &&
+         status_.doubled != Doubled::proof;
 }
 
 /// Or another look. Not where it is served and did what it was told, or is about to be started anyhow.
@@ -329,7 +338,9 @@ Error RemoteNode::withdrawn_error() const {
 }
 
 Error RemoteNode::not_in_service(ObjectAddress object) const {
-  Error refused = offline_error(object, "the drive is not online and operational");
+  Error refused =
+      offline_error(object, status_.doubled == Doubled::proof ? "two nodes have its node id: no commands but stops"
+                                                              : "the drive is not online and operational");
   refused.not_sent = true;
   return refused;
 }

@@ -27,6 +27,7 @@ void RemoteNode::subscribe() {
     subscriptions_.push_back(bus_.subscribe(settings_.tpdos[i].cob_id,
                                             [this, i](const Received& received) { on_tpdo(tpdos_[i], received); }));
   }
+  doubled_.start();
   subscriptions_.push_back(bus_.subscribe_state([this](const BusState& state) { on_bus_state(state); }));
   subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) {
     watch_.frames_lost(Clock::now());
@@ -233,6 +234,16 @@ void RemoteNode::on_silence() {
     if (status.boot_result == BootResult::ok) {
       status.boot_result = BootResult::not_booted;
     }
+  });
+}
+
+void RemoteNode::on_doubled() {
+  if (doubled_.verdict() == Doubled::proof) {
+    withdraw_commands();
+  }
+  change_status([this](NodeStatus& status) {
+    status.doubled = doubled_.verdict();
+    status.doubled_text = doubled_.text();
   });
 }
 

@@ -36,16 +36,19 @@ SdoBudget::Claim::~Claim() {
 
 SdoBudget::SdoBudget(const boost::asio::any_io_executor& executor, std::optional<std::uint32_t> bitrate,
                      double most_load, BusLoad& load)
-    : bitrate_(bitrate),
-      most_load_(most_load),
+    : most_load_(most_load),
       load_(load),
-      most_at_once_(kAtOnceWithoutBitrate),
       answer_time_(kAnswerTime),
       wake_up_(executor, [this] { grant_what_may_be(); }) {
-  if (bitrate_) {
-    most_at_once_ = std::clamp<std::size_t>(*bitrate_ / kBitrateOfOne, kFewestAtOnce, kMostAtOnce);
-    answer_time_ += kTransfersBeforeAnswer * time_of_bits(kBitsOfTransfer, *bitrate_);
+  if (bitrate) {
+    set_bitrate(*bitrate);
   }
+}
+
+void SdoBudget::set_bitrate(std::uint32_t bitrate) {
+  bitrate_ = bitrate;
+  most_at_once_ = std::clamp<std::size_t>(bitrate / kBitrateOfOne, kFewestAtOnce, kMostAtOnce);
+  answer_time_ = kAnswerTime + kTransfersBeforeAnswer * time_of_bits(kBitsOfTransfer, bitrate);
 }
 
 void SdoBudget::charge(unsigned frames) {

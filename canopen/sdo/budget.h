@@ -50,6 +50,8 @@ class SdoBudget {
   SdoBudget& operator=(const SdoBudget&) = delete;
   ~SdoBudget() = default;
 
+  /// The interface told it.
+  void set_bitrate(std::uint32_t bitrate);
   /// Frames of eight bytes that nobody claimed a place for: a request and its answer, or what else comes at once.
   void charge(unsigned frames = 2);
   /// When the traffic so far will have had its time: who has many frames to come waits until then.
@@ -74,7 +76,7 @@ class SdoBudget {
   std::optional<std::uint32_t> bitrate_;
   double most_load_;
   BusLoad& load_;
-  std::size_t most_at_once_;
+  std::size_t most_at_once_ = kAtOnceWithoutBitrate;
   Duration answer_time_;         ///< How long a granted place counts.
   std::vector<Claim*> waiting_;  ///< The next one first.
   std::vector<Claim*> granted_;  ///< Those that count, in the order they were granted.

@@ -71,8 +71,9 @@ const SectionOf<Bus>& bus_section() {
        Field("interface", &Bus::interface, text(), "A SocketCAN interface, or `virtual`: a bus inside the process.")
            .unset("the bus' name"),
        Field("bitrate", &Bus::bitrate, integer(10'000, 1'000'000, "bit/s", "250000"),
-             "Bit/s, only to work out the bus load; the system sets the interface up.")
-           .unset("none: no load shown"),
+             "Bit/s, for load and waiting times; the system sets the interface up. Where the interface tells its own, "
+             "that one is used.")
+           .unset("by the interface; no load shown where it tells none"),
        Field("node_id", &Bus::node_id, integer(0, 127), "The gateway's own node id; 0: none, and no heartbeat."),
        Field("heartbeat", &Bus::heartbeat, duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
              "Period of the gateway's own heartbeat; `0s`: none."),
@@ -83,8 +84,8 @@ const SectionOf<Bus>& bus_section() {
            "sdo_load", &Bus::sdo_load, number(0.1, 1.0),
            "Load that all traffic together may reach while SDO transfers of the gateway run; SDO keeps a tenth of the "
            "bus all the same. Without `bitrate`: eight transfers at once."),
-       Field::later("other_master", "true or false", "false",
-                    "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
+       Field("other_master", &Bus::other_master, boolean(),
+             "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
        Field("echo", &Bus::echo,
              choice<canopen::EchoProves>({{"auto", canopen::EchoProves::by_driver},
                                           {"departure", canopen::EchoProves::departure},

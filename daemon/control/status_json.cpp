@@ -98,8 +98,8 @@ void append_bus(std::string& out, const process::Plant& plant, std::size_t index
   object.text("interface", bus.interface);
   object.boolean("up", state.up());
   object.text("state", state_of(state.condition));
-  if (bus.bitrate) {
-    object.key("load") += fmt::format("{:.1f}", plant.bus_statistics(index).load_per_mille / 10.0);
+  if (const canopen::BusStatistics statistics = plant.bus_statistics(index); statistics.bitrate != 0) {
+    object.key("load") += fmt::format("{:.1f}", statistics.load_per_mille / 10.0);
   } else {
     object.null("load");
   }

@@ -60,6 +60,7 @@ class SocketCanLink final : public Link {
   void drop_socket();  ///< With all that waits in it, which is from before.
   void tell_of_limits(const Interface& interface, int receive_buffer);
   void tell(const BusState& state);
+  void tell_timing(const std::optional<BitTiming>& timing);
 
   [[nodiscard]] bool receive();
   void deliver(std::size_t count);
@@ -86,6 +87,7 @@ class SocketCanLink final : public Link {
   std::array<Received, ReceiveBatch::kCapacity> received_{};
   std::uint32_t dropped_ = 0;  ///< The kernel's count for this socket, as told.
   std::optional<BusState> told_;
+  std::optional<BitTiming> told_timing_;
 };
 
 void SocketCanLink::open(LinkEvents& events) {
@@ -106,6 +108,7 @@ void SocketCanLink::close() {
   drop_socket();
   query_.reset();
   told_.reset();
+  told_timing_.reset();
 }
 
 SendResult SocketCanLink::send(const Frame& frame) {
@@ -173,6 +176,7 @@ void SocketCanLink::look() {
     gone_ = true;  // Another interface took its name.
     return look();
   }
+  tell_timing(answer.interface->timing);  // Before the state: what waits for the bus to come up needs it.
   if (!socket_) {
     open_socket(*answer.interface);
   }
@@ -213,6 +217,13 @@ void SocketCanLink::tell_of_limits(const Interface& interface, int receive_buffe
     if (!text.empty()) {
       notice_(name_ + ": " + text);
     }
+  }
+}
+
+void SocketCanLink::tell_timing(const std::optional<BitTiming>& timing) {
+  if (events_ != nullptr && timing && told_timing_ != timing) {
+    told_timing_ = timing;
+    events_->on_bit_timing(*timing);
   }
 }
 

@@ -1,0 +1,93 @@
+#include "canopen/bus/bus_watch.h"
+
+#include <utility>
+
+#include "canopen/bus/bus.h"
+#include "canopen/sdo/frames.h"
+
+namespace canopen {
+namespace {
+
+// CiA 301 tables 74 and 75.
+constexpr std::uint32_t kNmt = 0x000;
+constexpr std::uint32_t kSync = 0x080;
+constexpr std::uint32_t kErrorControlBase = 0x700;
+constexpr std::uint8_t kHighestNodeId = 127;
+
+constexpr Duration kStep = std::chrono::milliseconds(200);
+// Of the load in one second, in per mille.
+constexpr unsigned kOverload = 900;
+constexpr unsigned kNoOverload = 800;
+
+}  // namespace
+
+BusWatch::BusWatch(const boost::asio::any_io_executor& executor, Bus& bus, bool other_master, Handlers handlers)
+    : bus_(bus), other_master_(other_master), handlers_(std::move(handlers)), timer_(executor, [this] { look(); }) {}
+
+void BusWatch::start() {
+  subscribe();
+  timer_.arm(Clock::now() + kStep);
+}
+
+// Our own frames come back as echoes, which are never dispatched: whatever comes here is somebody else's.
+void BusWatch::subscribe() {
+  subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_nmt(received); }));
+  if (bus_.settings().sync > Duration::zero()) {
+    subscriptions_.push_back(
+        bus_.subscribe(kSync, [this](const Received& received) { hear(MasterSign::sync, received.at); }));
+  }
+  for (std::uint8_t node = 1; node <= kHighestNodeId; ++node) {
+    subscriptions_.push_back(bus_.subscribe(
+        kSdoRequestBase + node, [this, node](const Received& received) { hear(MasterSign::sdo, received.at, node); }));
+  }
+  if (const std::uint8_t own = bus_.settings().node_id; own != 0) {
+    subscriptions_.push_back(bus_.subscribe(kErrorControlBase + own, [this](const Received& received) {
+      own_id_at_ = received.at;
+      tell();
+    }));
+  }
+}
+
+void BusWatch::on_nmt(const Received& received) {
+  if (received.frame.bytes().size() >= 2) {
+    hear(MasterSign::nmt, received.at, received.frame.data[1], received.frame.data[0]);
+  }
+}
+
+void BusWatch::hear(MasterSign sign, TimePoint at, std::uint8_t node, std::uint8_t command) {
+  if (!second_master_.hear(sign, at, node, command)) {
+    return;
+  }
+  if (other_master_) {
+    handlers_.remark(second_master_.text());
+  } else {
+    tell();
+  }
+}
+
+void BusWatch::look() {
+  const TimePoint now = Clock::now();
+  second_master_.forget(now);
+  if (own_id_at_ && now - *own_id_at_ >= SecondMaster::kForgotten) {
+    own_id_at_.reset();
+  }
+  tell();
+  timer_.arm(now + kStep);
+}
+
+bool BusWatch::is_overloaded() const {
+  const unsigned load = bus_.statistics().load_per_mille;
+  return troubles_.overload ? load >= kNoOverload : load > kOverload;
+}
+
+void BusWatch::tell() {
+  BusTroubles now{.own_node_id = own_id_at_.has_value(),
+                  .overload = is_overloaded(),
+                  .second_master = other_master_ ? std::string() : second_master_.text()};
+  if (now != troubles_) {
+    troubles_ = std::move(now);
+    handlers_.changed(troubles_);
+  }
+}
+
+}  // namespace canopen

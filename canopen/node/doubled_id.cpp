@@ -1,0 +1,137 @@
+#include "canopen/node/doubled_id.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace canopen {
+namespace {
+
+// A node takes this long at most to reset (CiA 301 sets no limit): a boot-up within it may be the answer to a command.
+constexpr Duration kResetTime = std::chrono::seconds(10);
+
+std::string went_back_text(NmtState state, NmtState other) {
+  return "its heartbeat goes from " + std::string(name_of(state)) + " to " + std::string(name_of(other)) +
+         " and back within two periods, and nobody commanded it";
+}
+
+}  // namespace
+
+void RateCheck::set_period(Duration period) noexcept {
+  period_ = period;
+  begin_anew();
+}
+
+bool RateCheck::hear(TimePoint at) noexcept {
+  times_[count_ % times_.size()] = at;
+  ++count_;
+  if (period_ <= Duration::zero() || count_ < times_.size()) {
+    return false;
+  }
+  // One sender takes 15 periods, two take half of that; the border lies at 8.6.
+  const Duration took = at - times_[count_ % times_.size()];
+  return took * 7 <= period_ * static_cast<int>(kIntervals) * 4;
+}
+
+void DoubledId::set_period(Duration period) noexcept {
+  if (period != period_) {
+    period_ = period;
+    rate_.set_period(period);
+  }
+}
+
+void DoubledId::on_heartbeat(NmtState state, TimePoint at) {
+  if (rate_.hear(at)) {
+    note(hint_, at, "its heartbeats come twice as often as they should");
+  }
+  if (before_[0] && before_[0]->state == state) {
+    before_[0]->at = at;
+    return;
+  }
+  const std::optional<State> left = std::exchange(before_[1], std::exchange(before_[0], State{state, at}));
+  // before_[1] is where it was until now, `left` where it was before that.
+  const bool known = period_ > Duration::zero() && left && left->state == state;
+  if (known && at - left->at <= 2 * period_ && !commanded_since(left->at - period_)) {
+    note(proof_, at, went_back_text(state, before_[1]->state));
+  }
+}
+
+void DoubledId::on_boot_up(TimePoint at) {
+  const bool reset = reset_at_ && *reset_at_ >= at - kResetTime;
+  if (period_ > Duration::zero() && boot_up_at_ && at - *boot_up_at_ <= period_ && !reset) {
+    note(proof_, at, "two boot-ups within one heartbeat period, and nobody reset it");
+  }
+  boot_up_at_ = at;
+  before_ = {};
+  rate_.begin_anew();
+}
+
+void DoubledId::on_nmt(NmtCommand command, TimePoint at) {
+  nmt_at_ = at;
+  if (command == NmtCommand::reset_node || command == NmtCommand::reset_communication) {
+    reset_at_ = at;
+  }
+}
+
+void DoubledId::on_second_answer(bool different, TimePoint at) {
+  if (different) {
+    note(proof_, at, "two different SDO answers came to one request");
+  } else {
+    note(hint_, at, "SDO answers came that nobody had asked for");
+  }
+}
+
+void DoubledId::on_doubled_tpdo(std::uint16_t number, TimePoint at) {
+  note(hint_, at, "TPDO " + std::to_string(number) + " comes twice as often as it should");
+}
+
+void DoubledId::end() noexcept {
+  proof_.reset();
+  hint_.reset();
+  before_ = {};
+  boot_up_at_.reset();
+  rate_.begin_anew();
+}
+
+void DoubledId::look(TimePoint now) {
+  for (std::optional<Sign>* sign : {&proof_, &hint_}) {
+    if (*sign && now - (*sign)->last >= kForgotten) {
+      sign->reset();
+    }
+  }
+}
+
+Doubled DoubledId::verdict() const noexcept {
+  if (proof_) {
+    return Doubled::proof;
+  }
+  return hint_ ? Doubled::hint : Doubled::no;
+}
+
+const std::string& DoubledId::text() const noexcept {
+  static const std::string kNothing;
+  if (proof_) {
+    return proof_->text;
+  }
+  return hint_ ? hint_->text : kNothing;
+}
+
+TimePoint DoubledId::next() const noexcept {
+  TimePoint next = kNever;
+  for (const std::optional<Sign>* sign : {&proof_, &hint_}) {
+    if (*sign) {
+      next = std::min(next, (*sign)->last + kForgotten);
+    }
+  }
+  return next;
+}
+
+// The first text stays: an alarm that says another thing each second tells nobody anything.
+void DoubledId::note(std::optional<Sign>& sign, TimePoint at, std::string text) {
+  if (sign) {
+    sign->last = at;
+  } else {
+    sign = Sign{.last = at, .text = std::move(text)};
+  }
+}
+
+}  // namespace canopen

@@ -1,0 +1,104 @@
+#include "canopen/node/doubled_watch.h"
+
+#include <utility>
+
+#include "canopen/bus/bus.h"
+#include "canopen/node/heartbeat_consumer.h"
+
+namespace canopen {
+namespace {
+
+constexpr std::uint32_t kNmt = 0x000;           // CiA 301 table 74.
+constexpr std::uint8_t kSlowestSyncTpdo = 240;  // CiA 301 table 67: 1 to 240 follow the SYNC.
+
+bool follows_sync(const PdoSettings& tpdo) {
+  const std::uint8_t type = tpdo.transmission_type.value_or(0);
+  return type >= 1 && type <= kSlowestSyncTpdo && tpdo.period > Duration::zero();
+}
+
+}  // namespace
+
+DoubledWatch::DoubledWatch(const boost::asio::any_io_executor& executor, Bus& bus, const NodeSettings& settings,
+                           std::function<void()> on_change)
+    : bus_(bus), settings_(settings), on_change_(std::move(on_change)), timer_(executor, [this] { service(); }) {
+  id_.set_period(settings_.error_control.heartbeat);
+  for (const PdoSettings& tpdo : settings_.tpdos) {
+    if (follows_sync(tpdo)) {
+      tpdos_.push_back({.number = tpdo.number});
+      tpdos_.back().rate.set_period(tpdo.period);
+    }
+  }
+}
+
+void DoubledWatch::start() {
+  subscriptions_.push_back(bus_.subscribe(kErrorControlBase + settings_.node,
+                                          [this](const Received& received) { on_error_control(received); }));
+  subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_foreign_nmt(received); }));
+  std::size_t next = 0;
+  for (const PdoSettings& tpdo : settings_.tpdos) {
+    if (follows_sync(tpdo)) {
+      subscriptions_.push_back(bus_.subscribe(tpdo.cob_id, [this, &watched = tpdos_[next++]](const Received& received) {
+        if (watched.rate.hear(received.at)) {
+          id_.on_doubled_tpdo(watched.number, received.at);
+          service();
+        }
+      }));
+    }
+  }
+}
+
+void DoubledWatch::stop() {
+  subscriptions_.clear();
+  timer_.cancel();
+}
+
+void DoubledWatch::on_nmt(NmtCommand command) {
+  id_.on_nmt(command, Clock::now());
+}
+
+void DoubledWatch::on_second_answer(bool different) {
+  id_.on_second_answer(different, Clock::now());
+  service();
+}
+
+void DoubledWatch::end() {
+  id_.end();
+  service();
+}
+
+// Answers to guarding come when somebody asks, and carry a toggle bit.
+void DoubledWatch::on_error_control(const Received& received) {
+  const std::optional<HeartbeatMessage> message = decode_heartbeat(received.frame.bytes());
+  if (!message) {
+    return;
+  }
+  if (message->boot_up) {
+    id_.on_boot_up(received.at);
+  } else {
+    id_.on_heartbeat(message->state, received.at);
+  }
+  service();
+}
+
+// Our own commands come back as echoes, which are never dispatched.
+void DoubledWatch::on_foreign_nmt(const Received& received) {
+  const auto bytes = received.frame.bytes();
+  if (bytes.size() < 2 || (bytes[1] != 0 && bytes[1] != settings_.node)) {
+    return;
+  }
+  if (const std::optional<NmtCommand> command = nmt_command_of(bytes[0])) {
+    id_.on_nmt(*command, received.at);
+  }
+}
+
+void DoubledWatch::service() {
+  id_.look(Clock::now());
+  if (id_.next() != kNever) {
+    timer_.arm_no_later_than(id_.next());
+  }
+  if (std::exchange(told_, id_.verdict()) != id_.verdict()) {
+    on_change_();
+  }
+}
+
+}  // namespace canopen
