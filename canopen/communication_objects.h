@@ -13,6 +13,7 @@ inline constexpr ObjectAddress kGuardTime{0x100C, 0};
 inline constexpr ObjectAddress kLifeTimeFactor{0x100D, 0};
 inline constexpr ObjectAddress kEmcyCobId{0x1014, 0};
 inline constexpr ObjectAddress kConsumerHeartbeat{0x1016, 1};
+inline constexpr ObjectAddress kSerialNumber{0x1018, 4};
 inline constexpr ObjectAddress kProducerHeartbeat{0x1017, 0};
 
 }  // namespace canopen

@@ -44,7 +44,7 @@ boost::asio::awaitable<Failure> check_identity(SetupSession& session, const Expe
       IdentityItem{BootResult::other_vendor, {0x1018, 1}, "vendor id", expected.vendor},
       IdentityItem{BootResult::other_product, {0x1018, 2}, "product code", expected.product},
       IdentityItem{BootResult::other_revision, {0x1018, 3}, "revision number", expected.revision},
-      IdentityItem{BootResult::other_serial_number, {0x1018, 4}, "serial number", expected.serial},
+      IdentityItem{BootResult::other_serial_number, kSerialNumber, "serial number", expected.serial},
   };
   Failure failure;
   for (const IdentityItem& item : items) {

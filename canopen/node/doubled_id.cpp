@@ -75,8 +75,8 @@ void DoubledId::on_nmt(NmtCommand command, TimePoint at) {
 void DoubledId::on_second_answer(bool different, TimePoint at) {
   if (different) {
     note(proof_, at, "two different SDO answers came to one request");
-  } else {
-    note(hint_, at, "SDO answers came that nobody had asked for");
+  } else if (const auto before = std::exchange(same_answer_at_, at); before && at - *before < kForgotten) {
+    note(hint_, at, "SDO answers come twice");
   }
 }
 
@@ -89,6 +89,7 @@ void DoubledId::end() noexcept {
   hint_.reset();
   before_ = {};
   boot_up_at_.reset();
+  same_answer_at_.reset();
   rate_.begin_anew();
 }
 

@@ -44,7 +44,8 @@ class DoubledId {
   /// An NMT command to it or to all left or was heard: what its state does next is no sign, nor, of a reset, a boot-up.
   void on_nmt(NmtCommand command, TimePoint at);
   /// Another SDO answer to a request that had its answer already; `different`: it says something else. The owner sees
-  /// to it that nobody else had asked.
+  /// to it that nobody else had asked. One that says the same is a sign only where another one follows within a minute:
+  /// CAN itself may double a frame whose last bit is disturbed.
   void on_second_answer(bool different, TimePoint at);
   /// A TPDO that follows the SYNC came at twice its rate.
   void on_doubled_tpdo(std::uint16_t number, TimePoint at);
@@ -75,6 +76,7 @@ class DoubledId {
   RateCheck rate_;
   std::array<std::optional<State>, 2> before_{};  ///< The states before the newest one, newest first.
   std::optional<TimePoint> boot_up_at_;
+  std::optional<TimePoint> same_answer_at_;
   std::optional<TimePoint> nmt_at_;    ///< Of the newest NMT command.
   std::optional<TimePoint> reset_at_;  ///< Of the newest that ends in a boot-up.
   std::optional<Sign> proof_;

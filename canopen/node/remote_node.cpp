@@ -42,6 +42,7 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       doubled_(executor_, bus, settings_, [this] { on_doubled(); }),
       expectation_(settings_.error_control.heartbeat_timeout),
       restart_(settings_.restart) {
+  sdo_.on_second_answer([this](bool different) { doubled_.on_second_answer(different); });
   sdo_.on_abort(
       [this](std::uint32_t code) { change_status([code](NodeStatus& status) { status.last_abort = code; }); });
   sdo_.on_remark([this](std::string_view text) { events_.on_remark(std::string(text)); });
@@ -263,8 +264,9 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
 
 boost::asio::awaitable<void> RemoteNode::serve(Life& life) {
   while (!life.over()) {
-    co_await life.wait_until(restart_.at());
+    co_await life.wait_until(std::min(restart_.at(), next_serial_read()));
     co_await restart_if_due(life);
+    co_await read_serial_if_hinted(life);
   }
 }
 

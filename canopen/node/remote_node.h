@@ -166,6 +166,8 @@ class RemoteNode {
   boost::asio::awaitable<std::string> error_text(const LifeContext& context);
   boost::asio::awaitable<std::string> why_not_to_restart(const LifeContext& context);
   boost::asio::awaitable<void> restart_if_due(Life& life);
+  [[nodiscard]] TimePoint next_serial_read() const noexcept;
+  boost::asio::awaitable<void> read_serial_if_hinted(Life& life);
   void note_left_by_itself(NodeStatus& status) const;
   void note_out_of_service();
   static void note_not_booted(NodeStatus& status);
@@ -232,8 +234,9 @@ class RemoteNode {
   std::string half_done_;
   bool self_start_due_ = false;  ///< It has rebooted, and was not made pre-operational since (self_starting).
   Restart restart_;
-  bool restarting_ = false;  ///< The next life is for that.
-  std::string hold_reason_;  ///< Why it was not started again when it was tried.
+  bool restarting_ = false;     ///< The next life is for that.
+  TimePoint serial_read_at_{};  ///< When it is read next, where there are hints of a second node.
+  std::string hold_reason_;     ///< Why it was not started again when it was tried.
   bool running_ = false;
   bool closing_ = false;
   bool stopping_ = false;

@@ -245,6 +245,7 @@ void RemoteNode::on_doubled() {
     status.doubled = doubled_.verdict();
     status.doubled_text = doubled_.text();
   });
+  changed_.notify();
 }
 
 void RemoteNode::on_bus_state(const BusState& state) {

@@ -11,6 +11,12 @@
 #include "canopen/node/remote_node.h"
 
 namespace canopen {
+namespace {
+
+// On hints of a second node; its answers cost the bus next to nothing.
+constexpr Duration kSerialPause = std::chrono::seconds(10);
+
+}  // namespace
 
 bool RemoteNode::to_be_held(FoundState found) {
   const bool restarting = std::exchange(restarting_, false);
@@ -184,6 +190,19 @@ boost::asio::awaitable<void> RemoteNode::restart_if_due(Life& life) {
     note_out_of_service();
     end_life();
   }
+}
+
+TimePoint RemoteNode::next_serial_read() const noexcept {
+  return doubled_.verdict() == Doubled::hint ? serial_read_at_ : kNever;
+}
+
+/// Two nodes answer with two numbers; the SDO client hears the second one.
+boost::asio::awaitable<void> RemoteNode::read_serial_if_hinted(Life& life) {
+  if (life.over() || Clock::now() < next_serial_read()) {
+    co_return;
+  }
+  serial_read_at_ = Clock::now() + kSerialPause;
+  static_cast<void>(co_await sdo_.probe(kSerialNumber, DataType::u32));
 }
 
 void RemoteNode::note_left_by_itself(NodeStatus& status) const {

@@ -170,6 +170,7 @@ boost::asio::awaitable<bool> SdoClient::prove(ObjectAddress object, TimePoint un
 
 boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
   const TimePoint begun = Clock::now();
+  second_.on_request(exchange.transfer().object());
   exchange_ = &exchange;
   co_await exchange.run();
   exchange_ = nullptr;
@@ -195,12 +196,32 @@ void SdoClient::on_frame(const Received& received) {
   const SdoTransfer::Step step =
       exchange_ == nullptr ? SdoTransfer::Step::ignored : exchange_->on_answer(received.frame.bytes());
   answered_ = answered_ || step != SdoTransfer::Step::ignored;
-  if (step == SdoTransfer::Step::completed || step == SdoTransfer::Step::failed) {
+  if (step == SdoTransfer::Step::ignored) {
+    judge_unwanted(received.frame.bytes());
+  } else if (step == SdoTransfer::Step::completed || step == SdoTransfer::Step::failed) {
+    note_answer(received.frame.bytes());
     on_end(exchange_->transfer());
   }
 }
 
+/// Only where nothing else can still be answered a further answer proves anything.
+void SdoClient::note_answer(std::span<const std::uint8_t> answer) {
+  if (exchange_->is_stop() || exchange_->disturbed() || exchange_->transfer().in_segments() || unanswered_.any()) {
+    second_.forget();
+  } else {
+    second_.on_answered(answer);
+  }
+}
+
+void SdoClient::judge_unwanted(std::span<const std::uint8_t> answer) const {
+  const SecondAnswer::Verdict verdict = second_.judge(answer);
+  if (verdict != SecondAnswer::Verdict::none && second_handler_) {
+    second_handler_(verdict == SecondAnswer::Verdict::different);
+  }
+}
+
 void SdoClient::on_foreign_request(const Received& received) {
+  second_.forget();
   const std::span<const std::uint8_t> request = received.frame.bytes();
   if (exchange_ == nullptr || !exchange_->disturb() || request.empty()) {
     return;
@@ -250,6 +271,7 @@ void SdoClient::interrupt() {
   line_.call_off({SdoLine::Kind::transfer, SdoLine::Kind::command}, why);
   answered_ = false;
   block_unknown_ = false;
+  second_.forget();
   ++interruptions_;
   abort_.reset();
   if (exchange_ != nullptr && !(exchange_->is_stop() && exchange_->waits_to_leave())) {

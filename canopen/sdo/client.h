@@ -20,6 +20,7 @@
 #include "canopen/sdo/exchange.h"
 #include "canopen/sdo/line.h"
 #include "canopen/sdo/sdo_settings.h"
+#include "canopen/sdo/second_answer.h"
 #include "canopen/sdo/stop_limit.h"
 #include "canopen/sdo/transfer.h"
 #include "canopen/sdo/unanswered.h"
@@ -51,6 +52,7 @@ class SdoClient {
  public:
   using AbortHandler = std::function<void(std::uint32_t code)>;
   using RemarkHandler = std::function<void(std::string_view text)>;
+  using SecondHandler = std::function<void(bool different)>;
 
   /// `bus` outlives the client.
   SdoClient(boost::asio::any_io_executor executor, Bus& bus, std::uint8_t node, SdoSettings settings);
@@ -62,6 +64,9 @@ class SdoClient {
   void on_abort(AbortHandler handler) { abort_handler_ = std::move(handler); }
   /// Called where a person should know of something that no error tells.
   void on_remark(RemarkHandler handler) { remark_handler_ = std::move(handler); }
+
+  /// Called where a request got a further answer, which no single server gives: see SecondAnswer.
+  void on_second_answer(SecondHandler handler) { second_handler_ = std::move(handler); }
 
   /// Upload of a basic type, tried again after a timeout. More bytes than it has: the lower ones count; fewer:
   /// `protocol`. `due`: when it was to be done; of all reads that wait for the budget of the bus the earliest is next.
@@ -152,6 +157,8 @@ class SdoClient {
   void on_frame(const Received& received);
   void on_foreign_request(const Received& received);
   void on_end(const SdoTransfer& transfer);
+  void note_answer(std::span<const std::uint8_t> answer);
+  void judge_unwanted(std::span<const std::uint8_t> answer) const;
   [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = kLongestType) const {
     return SdoTransfer::upload(channel_.settings, object, expected);
   }
@@ -172,6 +179,7 @@ class SdoClient {
   SdoExchange::Channel channel_;
   AbortHandler abort_handler_;
   RemarkHandler remark_handler_;
+  SecondHandler second_handler_;
 
   SdoLine line_;
   SdoExchange* exchange_ = nullptr;  ///< Under way.
@@ -182,6 +190,7 @@ class SdoClient {
   Unanswered unanswered_;
   WriteTimes write_times_;
   bool answered_ = false;
+  SecondAnswer second_;
   bool block_unknown_ = false;  ///< The node does not know block transfer.
 
   Subscription subscription_;
