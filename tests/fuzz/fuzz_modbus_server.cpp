@@ -1,13 +1,16 @@
 // Any bytes a client may send, in any pieces and at any moment, to the server before a plant with live drives. Whatever
-// they are: each request is answered once, in order, in the shape that the standards give; nothing but a write reaches the
-// drive, nothing at all the drive that takes no commands; and no answer holds half of one value and half of another.
+// they are: each request is answered once, in order, in the shape that the standards give; nothing but a write reaches
+// the drive, nothing at all the drive that takes no commands; and no answer holds half of one value and half of
+// another.
 //
 // An input is a row of items. The first byte says what it is:
-//   1wo mmmmm  unit, length, PDU: a request with a right header. o: its answer is not waited for. w: the drive that takes
+//   1wo mmmmm  unit, length, PDU: a request with a right header. o: its answer is not waited for. w: the drive that
+//   takes
 //              commands is mute from now on, or no longer.
 //   01tttttt   50 ms times t pass.
 //   00nnnnnn   n bytes as they are, without waiting.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -22,6 +25,7 @@
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/virtual_link.h"
+#include "tests/fuzz/byte_input.h"
 #include "tests/fuzz/modbus_answer.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/puppet.h"
@@ -107,7 +111,7 @@ class Site {
   bool garbage_ = false;                           ///< Sent: the server will close.
   std::deque<std::vector<std::uint8_t>> awaited_;  ///< Frames without an answer.
   canopen::TimePoint half_since_;                  ///< Of what is unfinished.
-  std::size_t pump_was_told_ = 0;  ///< By its start.
+  std::size_t pump_was_told_ = 0;                  ///< By its start.
   std::size_t fan_was_told_ = 0;
   bool wrote_ = false;
   bool was_mute_ = false;
@@ -251,26 +255,7 @@ void Site::check_whole(Bytes request, Bytes answer) const {
   }
 }
 
-class Input {
- public:
-  explicit Input(Bytes bytes) : left_(bytes) {}
-  [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
-  std::uint8_t byte() noexcept {
-    const std::uint8_t taken = empty() ? std::uint8_t{0} : left_.front();
-    left_ = left_.subspan(empty() ? 0 : 1);
-    return taken;
-  }
-  Bytes bytes(std::size_t count) noexcept {
-    const Bytes taken = left_.first(std::min(count, left_.size()));
-    left_ = left_.subspan(taken.size());
-    return taken;
-  }
-
- private:
-  Bytes left_;
-};
-
-void send_request(Site& site, Input& input, std::uint8_t transaction) {
+void send_request(Site& site, fuzz::ByteInput& input, std::uint8_t transaction) {
   const std::uint8_t unit = input.byte();
   const Bytes pdu = input.bytes(std::min<std::size_t>(input.byte(), modbus::kMaxPdu));
   if (pdu.empty()) {
@@ -286,7 +271,7 @@ void send_request(Site& site, Input& input, std::uint8_t transaction) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::uint8_t kRequest = 0x80;
   constexpr std::uint8_t kTime = 0x40;
-  Input input(Bytes(data, size));
+  fuzz::ByteInput input(Bytes(data, size));
   Site site;
   for (std::size_t i = 0; i < kMaxItems && !input.empty(); ++i) {
     const std::uint8_t kind = input.byte();

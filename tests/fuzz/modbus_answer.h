@@ -9,8 +9,8 @@
 
 #include "bridges/modbus/mbap.h"
 
-// What an answer to a Modbus request looks like, whatever the request: MODBUS Application Protocol V1.1b3, sections 6 and
-// 7, CiA 309-2. Written without the server's own parser of requests.
+// What an answer to a Modbus request looks like, whatever the request: MODBUS Application Protocol V1.1b3, sections 6
+// and 7, CiA 309-2. Written without the server's own parser of requests.
 
 namespace fuzz {
 
@@ -23,7 +23,8 @@ inline void require(bool holds) {
 }
 
 inline bool begins_alike(Bytes answer, Bytes request, std::size_t count) {
-  return answer.size() >= count && request.size() >= count && std::ranges::equal(answer.first(count), request.first(count));
+  return answer.size() >= count && request.size() >= count &&
+         std::ranges::equal(answer.first(count), request.first(count));
 }
 
 /// 0x05 and 0x06 are never answered: clients repeat on them.
@@ -98,7 +99,8 @@ inline bool is_normal(Bytes request, Bytes answer) {
     case 23:
       return request.size() >= 12 && is_words(modbus::word_at(request, 3), answer);
     case 43:
-      return request.size() >= 2 && (request[1] == 14 ? is_identification(request, answer) : is_reference(request, answer));
+      return request.size() >= 2 &&
+             (request[1] == 14 ? is_identification(request, answer) : is_reference(request, answer));
     default:
       return false;
   }

@@ -1,7 +1,7 @@
 // modbus_torn READS: a drive's 32-bit value flips between 0x0000FFFF and 0xFFFF0000 a thousand times a second, and
-// libmodbus' client reads it so often from the server over TCP: by functions 3 and 4, on the drive's own unit and on the
-// flat one. Status 1 where one answer holds half of each. That reading the two registers one after the other does tear
-// them shows that it could be seen.
+// libmodbus' client reads it so often from the server over TCP: by functions 3 and 4, on the drive's own unit and on
+// the flat one. Status 1 where one answer holds half of each. That reading the two registers one after the other does
+// tear them shows that it could be seen.
 
 #include <modbus/modbus.h>
 
@@ -87,8 +87,8 @@ class Site {
       if (failed || ended_) {
         return;
       }
-      // Flips that are late follow at once, each with a turn of the loop in between, so that what was asked meanwhile is
-      // answered between them.
+      // Flips that are late follow at once, each with a turn of the loop in between, so that what was asked meanwhile
+      // is answered between them.
       ++flips_;
       const bool odd = flips_ % 2 != 0;
       values_[4] = values_[5] = odd ? 0xFF : 0;
@@ -105,8 +105,8 @@ class Site {
   config::Model model_ = site_model();
   canopen::VirtualBus can_{loop_.get_executor()};
   support::Puppet puppet_{can_, modbus_test::kUnit};
-  canopen::Bus bus_{loop_.get_executor(), can_.connect(),
-                    {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}};
+  canopen::Bus bus_{
+      loop_.get_executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}};
   process::Plant plant_{loop_.get_executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}};
   canopen::Subscription bus_state_ =
       bus_.subscribe_state([this](const canopen::BusState& state) { plant_.set_bus_state(0, state); });
@@ -173,7 +173,8 @@ void run(int reads) {
     require(words == kOne || words == kOther, "torn at read " + std::to_string(i));
     ones += words == kOne ? 1 : 0;
   }
-  require(ones > reads / 10 && reads - ones > reads / 10, "it hardly flips: " + std::to_string(ones) + " times one value");
+  require(ones > reads / 10 && reads - ones > reads / 10,
+          "it hardly flips: " + std::to_string(ones) + " times one value");
   std::printf("%d reads, none torn (%d and %d); of %d by two requests each, %d were\n", reads, ones, reads - ones,
               kSplitReads, split);
 }
