@@ -22,6 +22,12 @@ inline void require(bool holds) {
   }
 }
 
+/// A request that could command a drive.
+inline bool may_write(Bytes pdu) {
+  constexpr std::array<std::uint8_t, 6> kWrites{5, 6, 15, 16, 22, 23};
+  return std::ranges::find(kWrites, pdu[0]) != kWrites.end() || (pdu[0] == 43 && pdu.size() > 2 && pdu[2] != 0);
+}
+
 inline bool begins_alike(Bytes answer, Bytes request, std::size_t count) {
   return answer.size() >= count && request.size() >= count &&
          std::ranges::equal(answer.first(count), request.first(count));

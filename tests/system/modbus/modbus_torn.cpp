@@ -63,16 +63,7 @@ class Site {
     thread_ = std::thread([this] { loop_.run(); });
   }
   ~Site() {
-    boost::asio::co_spawn(
-        loop_,
-        [this]() -> boost::asio::awaitable<void> {
-          ended_ = true;
-          co_await server_.stop();
-          co_await plant_.stop();
-          co_await bus_.stop();
-        },
-        boost::asio::use_future)
-        .wait();
+    boost::asio::co_spawn(loop_, end(), boost::asio::use_future).wait();
     thread_.join();
   }
   Site(const Site&) = delete;
@@ -81,6 +72,12 @@ class Site {
   [[nodiscard]] std::uint16_t port() const { return server_.port(0); }
 
  private:
+  boost::asio::awaitable<void> end() {
+    ended_ = true;
+    co_await server_.stop();
+    co_await plant_.stop();
+    co_await bus_.stop();
+  }
   void flip_at(canopen::TimePoint due) {
     timer_.expires_at(due);
     timer_.async_wait([this, due](const boost::system::error_code& failed) {
@@ -118,9 +115,9 @@ class Site {
   std::thread thread_;
 };
 
-class Client {
+class Reader {
  public:
-  explicit Client(std::uint16_t port) : server_(modbus_new_tcp("127.0.0.1", port), &modbus_free) {
+  explicit Reader(std::uint16_t port) : server_(modbus_new_tcp("127.0.0.1", port), &modbus_free) {
     require(server_ != nullptr && modbus_connect(server_.get()) == 0 &&
                 modbus_set_response_timeout(server_.get(), 5, 0) == 0,
             "no connection");
@@ -142,7 +139,7 @@ constexpr Words kOne{0x0000, 0xFFFF};
 constexpr Words kOther{0xFFFF, 0x0000};
 
 /// The two registers each by a request of its own, as nobody should: how often they did not belong together.
-int torn_when_split(Client& client) {
+int torn_when_split(Reader& client) {
   int torn = 0;
   for (int i = 0; i < kSplitReads; ++i) {
     Words words{};
@@ -157,7 +154,7 @@ int torn_when_split(Client& client) {
 
 void run(int reads) {
   Site site;
-  Client client(site.port());
+  Reader client(site.port());
   Words words{};
   const auto end = std::chrono::steady_clock::now() + 10s;
   while (!client.read(false, false, modbus_test::address::kPosition, words) || words == Words{}) {
