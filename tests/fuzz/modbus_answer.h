@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+#include <source_location>
 #include <span>
 
 #include "bridges/modbus/mbap.h"
@@ -16,8 +18,9 @@ namespace fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-inline void require(bool holds) {
+inline void require(bool holds, std::source_location where = std::source_location::current()) {
   if (!holds) {
+    std::fprintf(stderr, "%s:%u: does not hold\n", where.file_name(), where.line());
     std::abort();
   }
 }
