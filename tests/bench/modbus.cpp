@@ -76,9 +76,9 @@ void modbus() {
   for (const int clients : {1, 8, 32, 200}) {
     Side ceiling{.port = bare_port, .unit = 1, .thread = bare.thread()};
     Side gateway{.port = gateway_port, .unit = *site.model().drives.front().unit, .thread = site.thread()};
-    const Comparison rates =
-        compare(fmt::format("Modbus, function 3, 10 registers, {} client{}", clients, clients == 1 ? "" : "s"),
-                "requests/s", kRounds, [&] { return ceiling.round(clients); }, [&] { return gateway.round(clients); });
+    const Comparison rates = compare(
+        fmt::format("Modbus, function 3, 10 registers, {} client{}", clients, clients == 1 ? "" : "s"), "requests/s",
+        kRounds, [&] { return ceiling.round(clients); }, [&] { return gateway.round(clients); });
     print(rates);
     ceiling.tell("ceiling");
     gateway.tell("gateway");

@@ -89,9 +89,8 @@ ModbusTimes ask(const ModbusLoad& load) {
     for (int i = 0; i < ready; ++i) {
       auto* const connection = static_cast<Connection*>(events[static_cast<std::size_t>(i)].data.ptr);
       if (connection->take()) {
-        times.took.push_back(std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() -
-                                                                      connection->asked())
-                                 .count());
+        times.took.push_back(
+            std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - connection->asked()).count());
         connection->ask();
       }
     }

@@ -4,26 +4,36 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+#include <source_location>
 #include <span>
 
 #include "bridges/modbus/mbap.h"
 
-// What an answer to a Modbus request looks like, whatever the request: MODBUS Application Protocol V1.1b3, sections 6 and
-// 7, CiA 309-2. Written without the server's own parser of requests.
+// What an answer to a Modbus request looks like, whatever the request: MODBUS Application Protocol V1.1b3, sections 6
+// and 7, CiA 309-2. Written without the server's own parser of requests.
 
 namespace fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-inline void require(bool holds) {
+inline void require(bool holds, std::source_location where = std::source_location::current()) {
   if (!holds) {
+    std::fprintf(stderr, "%s:%u: does not hold\n", where.file_name(), where.line());
     std::abort();
   }
 }
 
+/// A request that could command a drive.
+inline bool may_write(Bytes pdu) {
+  constexpr std::array<std::uint8_t, 6> kWrites{5, 6, 15, 16, 22, 23};
+  return std::ranges::find(kWrites, pdu[0]) != kWrites.end() || (pdu[0] == 43 && pdu.size() > 2 && pdu[2] != 0);
+}
+
 inline bool begins_alike(Bytes answer, Bytes request, std::size_t count) {
-  return answer.size() >= count && request.size() >= count && std::ranges::equal(answer.first(count), request.first(count));
+  return answer.size() >= count && request.size() >= count &&
+         std::ranges::equal(answer.first(count), request.first(count));
 }
 
 /// 0x05 and 0x06 are never answered: clients repeat on them.
@@ -98,7 +108,8 @@ inline bool is_normal(Bytes request, Bytes answer) {
     case 23:
       return request.size() >= 12 && is_words(modbus::word_at(request, 3), answer);
     case 43:
-      return request.size() >= 2 && (request[1] == 14 ? is_identification(request, answer) : is_reference(request, answer));
+      return request.size() >= 2 &&
+             (request[1] == 14 ? is_identification(request, answer) : is_reference(request, answer));
     default:
       return false;
   }

@@ -71,9 +71,9 @@ expect_match "as many requests as there have to be" '^1[45][0-9]{3} requests, 0 
 
 say "what was refused told no drive anything"
 # Of all those writes no frame may be on the bus but what modbus/site.json allows: a control command that stops,
-# set-points, and the objects of the drive by the book.
+# set-points, and of the drive by the book its objects and an NMT start where it is started.
 allowed=' 205#0500| 605#2B3020020500| 20B#0600| 60B#2B4060000600|'
-allowed+=' 60[35]#2B302001| 607#2B002103| 609#2B426000|'
+allowed+=' 000#010B| 60[35]#2B302001| 607#2B002103| 609#2B426000|'
 allowed+=' 60B#(2F0D1000|23486001|23496001|21002F00|[01]|2BFF5F00|2F001000)'
 catch_up
 expect "no other command" "" "$(frames "$nmt|$(commands_to 3579BC)" | grep -Ev -- "$allowed")"

@@ -14,6 +14,7 @@ from modbus.protocol import Disagreement
 SUPPORTED = {1, 2, 3, 4, 5, 6, 15, 16, 22, 23, 43}
 WRITES = {5, 6, 15, 16, 22, 23}
 UNUSED, ANY, UNMAPPED, OPEN = "unused", "any", "unmapped", "open"
+NMT_COMMAND = 1020
 DIAGNOSTICS = {*range(1000, 1018), 1020, *range(1040, 1053)}
 
 
@@ -183,6 +184,8 @@ def write_words(unit, function, address, words, echo):
     if unit.away(address):
         # Open for function 22: which is told where the drive is not there and its bits are not known.
         return exception(function, 0x0B, *([0x03] if function == 22 and words[0] else []))
+    if function == 22 and words[0] and unit.own(address) == NMT_COMMAND:
+        return exception(22, 0x03)  # a command that was given once holds no bits to keep
     refused = [code for value, code in unit.refused.get(address, []) if tuple(value) == tuple(words)]
     return exception(function, *refused) if refused else [("echo", echo)]
 

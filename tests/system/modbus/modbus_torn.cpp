@@ -1,7 +1,7 @@
 // modbus_torn READS: a drive's 32-bit value flips between 0x0000FFFF and 0xFFFF0000 a thousand times a second, and
-// libmodbus' client reads it so often from the server over TCP: by functions 3 and 4, on the drive's own unit and on the
-// flat one. Status 1 where one answer holds half of each. That reading the two registers one after the other does tear
-// them shows that it could be seen.
+// libmodbus' client reads it so often from the server over TCP: by functions 3 and 4, on the drive's own unit and on
+// the flat one. Status 1 where one answer holds half of each. That reading the two registers one after the other does
+// tear them shows that it could be seen.
 
 #include <modbus/modbus.h>
 
@@ -63,16 +63,7 @@ class Site {
     thread_ = std::thread([this] { loop_.run(); });
   }
   ~Site() {
-    boost::asio::co_spawn(
-        loop_,
-        [this]() -> boost::asio::awaitable<void> {
-          ended_ = true;
-          co_await server_.stop();
-          co_await plant_.stop();
-          co_await bus_.stop();
-        },
-        boost::asio::use_future)
-        .wait();
+    boost::asio::co_spawn(loop_, end(), boost::asio::use_future).wait();
     thread_.join();
   }
   Site(const Site&) = delete;
@@ -81,14 +72,20 @@ class Site {
   [[nodiscard]] std::uint16_t port() const { return server_.port(0); }
 
  private:
+  boost::asio::awaitable<void> end() {
+    ended_ = true;
+    co_await server_.stop();
+    co_await plant_.stop();
+    co_await bus_.stop();
+  }
   void flip_at(canopen::TimePoint due) {
     timer_.expires_at(due);
     timer_.async_wait([this, due](const boost::system::error_code& failed) {
       if (failed || ended_) {
         return;
       }
-      // Flips that are late follow at once, each with a turn of the loop in between, so that what was asked meanwhile is
-      // answered between them.
+      // Flips that are late follow at once, each with a turn of the loop in between, so that what was asked meanwhile
+      // is answered between them.
       ++flips_;
       const bool odd = flips_ % 2 != 0;
       values_[4] = values_[5] = odd ? 0xFF : 0;
@@ -105,8 +102,8 @@ class Site {
   config::Model model_ = site_model();
   canopen::VirtualBus can_{loop_.get_executor()};
   support::Puppet puppet_{can_, modbus_test::kUnit};
-  canopen::Bus bus_{loop_.get_executor(), can_.connect(),
-                    {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}};
+  canopen::Bus bus_{
+      loop_.get_executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}};
   process::Plant plant_{loop_.get_executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}};
   canopen::Subscription bus_state_ =
       bus_.subscribe_state([this](const canopen::BusState& state) { plant_.set_bus_state(0, state); });
@@ -118,9 +115,9 @@ class Site {
   std::thread thread_;
 };
 
-class Client {
+class Reader {
  public:
-  explicit Client(std::uint16_t port) : server_(modbus_new_tcp("127.0.0.1", port), &modbus_free) {
+  explicit Reader(std::uint16_t port) : server_(modbus_new_tcp("127.0.0.1", port), &modbus_free) {
     require(server_ != nullptr && modbus_connect(server_.get()) == 0 &&
                 modbus_set_response_timeout(server_.get(), 5, 0) == 0,
             "no connection");
@@ -142,7 +139,7 @@ constexpr Words kOne{0x0000, 0xFFFF};
 constexpr Words kOther{0xFFFF, 0x0000};
 
 /// The two registers each by a request of its own, as nobody should: how often they did not belong together.
-int torn_when_split(Client& client) {
+int torn_when_split(Reader& client) {
   int torn = 0;
   for (int i = 0; i < kSplitReads; ++i) {
     Words words{};
@@ -157,7 +154,7 @@ int torn_when_split(Client& client) {
 
 void run(int reads) {
   Site site;
-  Client client(site.port());
+  Reader client(site.port());
   Words words{};
   const auto end = std::chrono::steady_clock::now() + 10s;
   while (!client.read(false, false, modbus_test::address::kPosition, words) || words == Words{}) {
@@ -173,7 +170,8 @@ void run(int reads) {
     require(words == kOne || words == kOther, "torn at read " + std::to_string(i));
     ones += words == kOne ? 1 : 0;
   }
-  require(ones > reads / 10 && reads - ones > reads / 10, "it hardly flips: " + std::to_string(ones) + " times one value");
+  require(ones > reads / 10 && reads - ones > reads / 10,
+          "it hardly flips: " + std::to_string(ones) + " times one value");
   std::printf("%d reads, none torn (%d and %d); of %d by two requests each, %d were\n", reads, ones, reads - ones,
               kSplitReads, split);
 }
