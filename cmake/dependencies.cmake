@@ -1,7 +1,7 @@
 # Everything that comes from outside, all of it Debian 12 packages (scripts/install-packages installs them).
 # Imported targets are SYSTEM includes: our warnings do not look into them.
 #   deps::asio     Boost.Asio, compiled once        Boost::json   deps::modbus   deps::paho   spdlog::spdlog
-#   tomlplusplus::tomlplusplus   CLI11::CLI11   deps::systemd   deps::crypto   GTest::gtest_main GTest::gmock   benchmark::benchmark
+#   tomlplusplus::tomlplusplus   CLI11::CLI11   deps::systemd   deps::crypto   deps::ssl   GTest::gtest_main GTest::gmock   benchmark::benchmark
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(Boost 1.81 REQUIRED CONFIG COMPONENTS json)
@@ -12,9 +12,11 @@ find_package(PahoMqttCpp REQUIRED CONFIG)
 pkg_check_modules(modbus REQUIRED IMPORTED_TARGET libmodbus>=3.1.6)
 pkg_check_modules(systemd REQUIRED IMPORTED_TARGET libsystemd)
 pkg_check_modules(crypto REQUIRED IMPORTED_TARGET libcrypto>=3.0)
+pkg_check_modules(ssl REQUIRED IMPORTED_TARGET libssl>=3.0)
 add_library(deps::modbus ALIAS PkgConfig::modbus)
 add_library(deps::systemd ALIAS PkgConfig::systemd)
 add_library(deps::crypto ALIAS PkgConfig::crypto)
+add_library(deps::ssl ALIAS PkgConfig::ssl)
 add_library(deps::paho ALIAS PahoMqttCpp::paho-mqttpp3)
 
 # Asio's own sources are compiled once instead of in every file that includes it.

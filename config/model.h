@@ -197,6 +197,7 @@ struct Drive {
 struct Endpoint {
   std::string host;  ///< Numeric address or name, IPv6 without brackets.
   std::uint16_t port = 0;
+  bool tls = false;  ///< Of a broker: `mqtts://`.
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
@@ -233,9 +234,11 @@ struct Mqtt {
   std::string client_id;  ///< Empty: `canopen-gateway-` and the gateway's name.
   std::string base = "canopen";
   std::string username;
-  std::string password_file;  ///< Empty: none.
-  std::string password;       ///< Its first line, where secrets were asked for.
-  int qos = 1;                ///< 0 or 1 (2 is refused)
+  std::string password_file;  ///< Path, as the following; empty: none. Its first line, read at each connection.
+  std::string ca_file;        ///< Authorities that brokers with TLS are trusted by; empty: those of the system.
+  std::string cert_file;      ///< Of the client, with key_file; empty: none.
+  std::string key_file;
+  int qos = 1;  ///< 0 or 1 (2 is refused)
   bool state = true;
   bool signals = true;
   Duration min_interval = std::chrono::milliseconds(250);

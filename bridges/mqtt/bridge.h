@@ -73,6 +73,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
  private:
   void on_connected(const Connected& connection) override;
   void on_taken_over() override;
+  void on_no_connection(const std::string& why) override { last_break_ = why; }
   void on_disconnected(const std::string& why) override;
   void on_subscribed(const Subscribed& subscribed) override;
   void on_unsubscribed(const std::string& filter) override;
@@ -113,7 +114,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   std::function<void(bool)> connected_change_;
   std::function<process::ProgramHealth()> program_health_;
   std::optional<Connected> connection_;
-  std::string last_break_;  ///< Why the last connection ended.
+  std::string last_break_;  ///< Why the last connection ended, or none came about since.
   bool was_connected_ = false;
 
   boost::asio::any_io_executor executor_;

@@ -52,6 +52,8 @@ class BrokerEvents {
   virtual void on_connected(const Connected& connection) = 0;
   /// on_disconnected() follows: another client connected with our client id.
   virtual void on_taken_over() {}
+  /// None came about, for a reason that somebody has to mend: what, and how.
+  virtual void on_no_connection(const std::string& /*why*/) {}
   /// `why` in words, with what the broker said by name.
   virtual void on_disconnected(const std::string& why) = 0;
   /// The answer to one of the subscriptions of subscribe(). None comes where the connection goes first.

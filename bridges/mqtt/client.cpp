@@ -28,6 +28,22 @@ std::int32_t seconds_of(std::chrono::seconds duration) {
   return static_cast<std::int32_t>(duration.count());
 }
 
+// TLS 1.2 at least: OpenSSL 3 has no older one at this security level.
+ssl_options options_of(const TlsFiles& files) {
+  ssl_options options;
+  if (!files.ca.empty()) {
+    options.set_trust_store(files.ca);
+  }
+  if (!files.cert.empty()) {
+    options.set_key_store(files.cert);
+    options.set_private_key(files.key);
+  }
+  options.set_enabled_cipher_suites(kTlsCiphers);
+  options.set_enable_server_cert_auth(true);
+  options.set_verify(true);  // that it is for the host of the URI
+  return options;
+}
+
 connect_options options_of(const ClientSettings& settings) {
   connect_options options;
   options.set_mqtt_version(settings.version);
@@ -45,6 +61,9 @@ connect_options options_of(const ClientSettings& settings) {
   if (!settings.username.empty()) {
     options.set_user_name(settings.username);
     options.set_password(settings.password);
+  }
+  if (settings.uri.starts_with("ssl://")) {
+    options.set_ssl(options_of(settings.tls));
   }
   will_options will(settings.will_topic, settings.will_payload, settings.qos, true);
   if (settings.version >= MQTTVERSION_5) {

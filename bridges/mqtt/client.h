@@ -8,16 +8,18 @@
 
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/message.h"
+#include "bridges/mqtt/tls_handshake.h"
 
 namespace mqtt {
 
 /// How one attempt to connect is made.
 struct ClientSettings {
-  std::string uri{};  ///< `tcp://192.0.2.1:1883`, numeric.
+  std::string uri{};  ///< `tcp://192.0.2.1:1883`, numeric; `ssl://broker.example:8883`, as the certificate names it.
   int version = 5;    ///< 5, or 4 for MQTT 3.1.1.
   std::string client_id{};
   std::string username{};
   std::string password{};
+  TlsFiles tls{};  ///< Of `ssl://`.
   std::string will_topic{};
   std::string will_payload{};
   int qos = 1;
@@ -41,6 +43,7 @@ struct BrokerLimits {
 struct Refusal {
   int code = -1;        ///< Of CONNACK; negative: none came.
   bool closed = false;  ///< The broker closed the connection without a CONNACK.
+  std::string why{};    ///< Where somebody has to mend it: what, and how.
 };
 
 enum class Delivery : std::uint8_t {

@@ -171,7 +171,8 @@ PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gat
   }
   settings.client.client_id = mqtt.client_id.empty() ? "canopen-gateway-" + gateway.name : mqtt.client_id;
   settings.client.username = mqtt.username;
-  settings.client.password = mqtt.password;
+  settings.password_file = mqtt.password_file;
+  settings.client.tls = {.ca = mqtt.ca_file, .cert = mqtt.cert_file, .key = mqtt.key_file};
   settings.client.will_topic = status_topic(mqtt.base, gateway.name);
   settings.client.will_payload = "offline";
   settings.client.qos = mqtt.qos;

@@ -26,8 +26,9 @@ namespace mqtt {
 /// How the publisher behaves; the defaults are for real plants.
 struct PublisherSettings {
   config::Endpoint broker;
-  ClientSettings client;  ///< Its uri and version are filled in per attempt.
-  int version = 0;        ///< 5 or 4 (MQTT 3.1.1) only; 0: 5, and 3.1.1 with brokers that do not speak it.
+  ClientSettings client;        ///< Its uri, version and password are filled in per attempt.
+  std::string password_file{};  ///< Path; its first line, read at each attempt. Empty: no password.
+  int version = 0;              ///< 5 or 4 (MQTT 3.1.1) only; 0: 5, and 3.1.1 with brokers that do not speak it.
   std::chrono::milliseconds first_pause{1000};
   std::chrono::milliseconds longest_pause{5000};
   std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
@@ -83,6 +84,8 @@ class Publisher final : public Broker, private ClientEvents {
   Line::End attempt();
   [[nodiscard]] std::vector<std::string> addresses();
   std::optional<Refusal> connect(const std::string& address, int version);
+  [[nodiscard]] std::optional<Refusal> await_connection(std::chrono::milliseconds patience, int version);
+  [[nodiscard]] std::string mistake_of_tls();
   Line::End serve();
   [[nodiscard]] bool carry_out(Lock& lock);
   [[nodiscard]] bool send(Lock& lock);
@@ -116,6 +119,7 @@ class Publisher final : public Broker, private ClientEvents {
   // The thread's own, without the lock.
   std::unique_ptr<Client> client_;
   Attempts attempts_;
+  std::vector<std::string> resolved_;  ///< Addresses of the broker, numeric.
   std::string last_failure_;
 
   // The loop's own.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <future>
 #include <system_error>
 #include <utility>
@@ -24,6 +25,8 @@ constexpr auto kResolveCheck = 50ms;
 // alive(): longest time of the thread without a sign of life.
 constexpr auto kSilence = 30s;
 constexpr auto kForEver = 24h * 3650;
+// After an attempt that took as long as connect_timeout: the cause is told within 10 s.
+constexpr auto kTlsPatience = 3s;
 
 // Signals are the daemon's main thread's; Paho's threads inherit this.
 void block_signals() {
@@ -32,7 +35,19 @@ void block_signals() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
+// Nothing: it cannot be read, or is empty.
+std::optional<std::string> first_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  line.resize(std::min(line.find('\r'), line.size()));
+  return line.empty() ? std::nullopt : std::optional(std::move(line));
+}
+
 std::string text_of(const Refusal& refusal) {
+  if (!refusal.why.empty()) {
+    return refusal.why;
+  }
   if (refusal.code >= 0) {
     return "the broker refuses the connection: " + reason_text(refusal.code);
   }
@@ -62,7 +77,10 @@ void Publisher::run() {
 
 Line::End Publisher::attempt() {
   if (attempts_.wants_addresses()) {
-    attempts_.found(addresses());
+    resolved_ = addresses();
+    // With TLS Paho gets the name, which the certificate must be for, and takes the address that the system gives.
+    const bool named = settings_.broker.tls && !resolved_.empty();
+    attempts_.found(named ? std::vector<std::string>{settings_.broker.host} : resolved_);
   }
   const std::string address = attempts_.next_address();
   if (address.empty()) {
@@ -71,7 +89,8 @@ Line::End Publisher::attempt() {
   for (std::optional<int> version = attempts_.first_version(); version;) {
     const std::optional<Refusal> refusal = connect(address, *version);
     if (!refusal) {
-      say(Level::info, "MQTT: connected to " + broker_ + (*version == 5 ? ", MQTT 5" : ", MQTT 3.1.1"));
+      say(Level::info, "MQTT: connected to " + broker_ + (*version == 5 ? ", MQTT 5" : ", MQTT 3.1.1") +
+                           (settings_.broker.tls ? ", TLS" : ""));
       loop_->post([this, connected = Connected{.id = line_.connection, .version = *version, .broker = broker_}] {
         events_->on_connected(connected);
       });
@@ -85,6 +104,9 @@ Line::End Publisher::attempt() {
         last_failure_.clear();
       }
       return end;
+    }
+    if (!version && !refusal->why.empty()) {
+      loop_->post([this, why = refusal->why] { events_->on_no_connection(why); });
     }
     if (!version) {
       return {text_of(*refusal), refuses_credentials(refusal->code)};
@@ -123,24 +145,58 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
     if (finishing_) {
       return Refusal{};
     }
-    expect_sign_of_life(kSilence);
+    // Paho may look up a name itself, and holds up whatever else is asked of it then.
+    expect_sign_of_life(settings_.broker.tls ? settings_.resolve_patience : kSilence);
     line_.begin();
   }
   ClientSettings settings = settings_.client;
-  settings.uri = "tcp://" + uri_host(address) + ":" + std::to_string(settings_.broker.port);
+  if (!settings_.password_file.empty()) {
+    std::optional<std::string> password = first_line(settings_.password_file);
+    if (!password) {
+      return Refusal{.why = "password_file " + settings_.password_file +
+                            " cannot be read, or begins with an empty line; give it a first line, readable for the "
+                            "gateway's user"};
+    }
+    settings.password = std::move(*password);
+  }
+  std::string mistake = settings_.broker.tls ? tls_files_mistake(settings.tls) : std::string();
+  if (!mistake.empty()) {
+    return Refusal{.why = std::move(mistake)};
+  }
+  settings.uri =
+      (settings_.broker.tls ? "ssl://" : "tcp://") + uri_host(address) + ":" + std::to_string(settings_.broker.port);
   settings.version = version;
   client_ = std::make_unique<Client>(settings, static_cast<ClientEvents&>(*this));
   if (!client_->connect()) {
     return Refusal{};
   }
+  std::optional<Refusal> refusal = await_connection(settings.connect_timeout + 2s, version);
+  if (refusal && refusal->code < 0 && settings_.broker.tls) {
+    if (std::string why = mistake_of_tls(); !why.empty()) {
+      return Refusal{.why = std::move(why)};
+    }
+  }
+  return refusal;
+}
+
+std::optional<Refusal> Publisher::await_connection(std::chrono::milliseconds patience, int version) {
   Lock lock(mutex_);
-  wake_.wait_for(lock, settings.connect_timeout + 2s,
-                 [this] { return line_.state != Line::State::connecting || finishing_; });
+  wake_.wait_for(lock, patience, [this] { return line_.state != Line::State::connecting || finishing_; });
   if (!line_.stood()) {
     return line_.refusal;
   }
   traffic_.begin(line_.limits, version, Clock::now());
   return std::nullopt;
+}
+
+std::string Publisher::mistake_of_tls() {
+  {
+    const Guard lock(mutex_);
+    if (finishing_) {
+      return {};
+    }
+  }
+  return tls_mistake(settings_.broker, resolved_, settings_.client.tls, kTlsPatience);
 }
 
 Line::End Publisher::serve() {

@@ -135,11 +135,8 @@ std::optional<Network> read_network(const Node& node, const Complaint& complain)
 
 std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain) {
   constexpr std::string_view kScheme = "mqtt://";
+  constexpr std::string_view kTlsScheme = "mqtts://";
   if (!expect(node, NodeKind::text, complain, "\"mqtt://127.0.0.1:1883\"")) {
-    return std::nullopt;
-  }
-  if (node.text.starts_with("mqtts://")) {
-    complain.value(node.place, in_quotes(node.text) + " is not supported by this version; only mqtt:// is");
     return std::nullopt;
   }
   if (node.text.find('@') != std::string::npos) {
@@ -147,11 +144,17 @@ std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain)
     complain.value(node.place, "must be mqtt://HOST:PORT; a name goes to username, and a password into password_file");
     return std::nullopt;
   }
-  const bool schemed = node.text.starts_with(kScheme);
-  auto broker = schemed ? parse_endpoint(std::string_view(node.text).substr(kScheme.size())) : std::nullopt;
+  const bool tls = node.text.starts_with(kTlsScheme);
+  const bool schemed = tls || node.text.starts_with(kScheme);
+  const std::size_t scheme = (tls ? kTlsScheme : kScheme).size();
+  auto broker = schemed ? parse_endpoint(std::string_view(node.text).substr(scheme)) : std::nullopt;
   if (!broker.has_value()) {
-    complain.value(node.place, in_quotes(node.text) + " must be mqtt://HOST:PORT, such as \"mqtt://127.0.0.1:1883\"");
+    complain.value(node.place, in_quotes(node.text) +
+                                   " must be mqtt://HOST:PORT, such as \"mqtt://127.0.0.1:1883\", or "
+                                   "mqtts://HOST:PORT for TLS");
+    return std::nullopt;
   }
+  broker->tls = tls;
   return broker;
 }
 

@@ -13,7 +13,7 @@ namespace config {
 [[nodiscard]] std::optional<Endpoint> parse_endpoint(std::string_view text);
 
 [[nodiscard]] Form<Endpoint> endpoint();
-/// `mqtt://HOST:PORT`
+/// `mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS
 [[nodiscard]] Form<Endpoint> broker();
 /// `10.0.0.0/8`, `::1/128`, or one address; without bits beyond its prefix, and no IPv4 in the clothes of IPv6.
 [[nodiscard]] Form<Network> network();

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -35,37 +37,87 @@ void check_base(const Node& table, const std::string& base, Report& report) {
   }
 }
 
-/// The first line of the file; without secrets only what can be told without a look into it.
-std::string password_of(const Node& table, const std::filesystem::path& file, const std::string& stated,
-                        bool with_secrets, Report& report) {
-  const Place place = place_of(table, "password_file");
-  const std::string label = "mqtt.password_file " + in_quotes(stated);
-  const auto facts = look_at_file(file);
+/// Where it is: a relative one among the credentials that systemd hands over, else beside the configuration.
+std::filesystem::path path_of(const std::string& stated, const std::filesystem::path& directory) {
+  // Nothing here changes the environment.
+  if (const char* const credentials = std::getenv("CREDENTIALS_DIRECTORY")) {  // NOLINT(concurrency-mt-unsafe)
+    std::filesystem::path path = std::filesystem::path(credentials) / stated;
+    if (!is_absent(path)) {
+      return path;
+    }
+  }
+  return directory / stated;
+}
+
+/// A key that names a file, and what else is told of it.
+struct FileKey {
+  const char* name;
+  std::string Mqtt::* stated;
+  bool secret;
+  const char* holds;
+};
+constexpr FileKey kPassword{"password_file", &Mqtt::password_file, true, "its first line is the password"};
+constexpr std::array<FileKey, 3> kTls{{{"ca_file", &Mqtt::ca_file, false, "it holds PEM certificates"},
+                                       {"cert_file", &Mqtt::cert_file, false, "it holds a PEM certificate"},
+                                       {"key_file", &Mqtt::key_file, true, "it holds the PEM key of cert_file"}}};
+
+/// Only what can be told without a look into it.
+bool check_file(const Node& table, const FileKey& key, const std::string& label, const std::filesystem::path& path,
+                Report& report) {
+  const Place place = place_of(table, key.name);
+  const auto facts = look_at_file(path);
   if (const auto* const failure = std::get_if<FileFailure>(&facts); failure != nullptr) {
     report.error(place, label + " cannot be read: " + failure->reason);
-    return "";
+    return false;
   }
-  if (std::get<FileFacts>(facts).readable_by_all) {
+  if (key.secret && std::get<FileFacts>(facts).readable_by_all) {
     report.warning(place, label + " can be read by everybody on this machine; chmod o-r it");
   }
   if (std::get<FileFacts>(facts).size == 0) {
-    report.error(place, label + " is empty; its first line is the password");
-    return "";
+    report.error(place, label + " is empty; " + key.holds);
+    return false;
   }
-  if (!with_secrets) {
-    return "";
+  return true;
+}
+
+/// The path takes the place of what was stated; the secret itself is read when it is used.
+void take_password(const Node& table, Mqtt& mqtt, const std::filesystem::path& directory, bool with_secrets,
+                   Report& report) {
+  const std::string label = "mqtt.password_file " + in_quotes(mqtt.password_file);
+  mqtt.password_file = path_of(mqtt.password_file, directory).string();
+  if (!check_file(table, kPassword, label, mqtt.password_file, report) || !with_secrets) {
+    return;
   }
-  const auto content = read_file(file);
+  const auto content = read_file(mqtt.password_file);
+  const Place place = place_of(table, "password_file");
   if (const auto* const failure = std::get_if<FileFailure>(&content); failure != nullptr) {
     report.error(place, label + " cannot be read: " + failure->reason);
-    return "";
-  }
-  const std::string& text = std::get<std::string>(content);
-  std::string password = text.substr(0, text.find_first_of("\r\n"));
-  if (password.empty()) {
+  } else if (std::get<std::string>(content).find_first_of("\r\n") == 0) {
     report.error(place, label + " begins with an empty line; its first line is the password");
   }
-  return password;
+}
+
+void take_tls_files(const Node& table, Mqtt& mqtt, const std::filesystem::path& directory, Report& report) {
+  const bool tls = std::ranges::any_of(mqtt.brokers, &Endpoint::tls);
+  for (const FileKey& key : kTls) {
+    std::string& stated = mqtt.*key.stated;
+    if (stated.empty()) {
+      continue;
+    }
+    const std::string name = std::string("mqtt.") + key.name;
+    if (!tls) {
+      report.error(place_of(table, key.name),
+                   name + " is of use only with TLS; name the broker as mqtts://HOST:PORT, or leave it out");
+    }
+    const std::string label = name + " " + in_quotes(stated);
+    stated = path_of(stated, directory).string();
+    (void)check_file(table, key, label, stated, report);
+  }
+  if (mqtt.cert_file.empty() != mqtt.key_file.empty()) {
+    const bool cert = mqtt.key_file.empty();
+    report.error(place_of(table, cert ? "cert_file" : "key_file"),
+                 cert ? "mqtt.cert_file needs key_file" : "mqtt.key_file needs cert_file");
+  }
 }
 
 /// A topic filter that MQTT knows: '+' is a whole part, '#' the last one (MQTT 5 §4.7.1).
@@ -151,8 +203,9 @@ std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& dir
     if (mqtt.username.empty()) {
       report.error(place_of(*table, "password_file"), "mqtt.password_file needs username");
     }
-    mqtt.password = password_of(*table, directory / mqtt.password_file, mqtt.password_file, with_secrets, report);
+    take_password(*table, mqtt, directory, with_secrets, report);
   }
+  take_tls_files(*table, mqtt, directory, report);
   return mqtt;
 }
 

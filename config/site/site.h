@@ -15,7 +15,8 @@ namespace config {
 [[nodiscard]] Gateway read_gateway(const Node& root, const std::string& host_name, Report& report);
 [[nodiscard]] std::vector<Bus> read_buses(const Node& root, Report& report);
 [[nodiscard]] std::optional<Modbus> read_modbus(const Node& root, Report& report);
-/// `directory` is where a relative password_file is looked for; it is read only `with_secrets`.
+/// `directory` is where relative files are looked for that are no credentials of systemd's; the password is read, to
+/// see whether there is one, only `with_secrets`.
 [[nodiscard]] std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
                                             Report& report);
 /// What must differ from drive to drive: names, node ids, Modbus units and places on the flat one, COB-IDs.

@@ -122,7 +122,7 @@ const SectionOf<Mqtt>& mqtt_section() {
   static const SectionOf<Mqtt> section(
       "[mqtt]",
       {Field("brokers", &Mqtt::brokers, list("list of strings", broker()),
-             "One broker in this version; `mqtts://` is for a later one."),
+             "One broker in this version, `mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS."),
        Field("version", &Mqtt::version,
              choice<MqttVersion>(
                  {{"auto", MqttVersion::automatic}, {"5", MqttVersion::v5}, {"3.1.1", MqttVersion::v3_1_1}}),
@@ -152,9 +152,13 @@ const SectionOf<Mqtt>& mqtt_section() {
              "What a plain topic shows while its value is not fresh; a word that no value is."),
        Field("username", &Mqtt::username, filled_text(), "For the broker."),
        Field("password_file", &Mqtt::password_file, filled_text(),
-             "File with the password in its first line, read at the start; needs `username`."),
-       Field::later("ca_file", "string", "", "For TLS."), Field::later("cert_file", "string", "", "For TLS."),
-       Field::later("key_file", "string", "", "For TLS."),
+             "File with the password in its first line; needs `username`. Read at each connection, as are the next."),
+       Field("ca_file", &Mqtt::ca_file, filled_text(),
+             "Certificates of the authorities that brokers with TLS are trusted by, in PEM.")
+           .unset("those of the system"),
+       Field("cert_file", &Mqtt::cert_file, filled_text(),
+             "The gateway's own certificate for the broker, with its chain, in PEM; needs `key_file`."),
+       Field("key_file", &Mqtt::key_file, filled_text(), "The private key of `cert_file`, in PEM, without a password."),
        Field::later("home_assistant", "string", "", "Discovery topics.")});
   return section;
 }

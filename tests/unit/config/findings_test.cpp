@@ -92,10 +92,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"guarding = \"1s\"\n", "7:1: error: drive \"pump1\": guarding"},
                     Case{"[drive.sdo]\npatience = \"1s\"\n", "8:1: error: drive \"pump1\": sdo.patience"},
                     Case{"[mqtt]\nbrokers = [\"mqtt://a:1\", \"mqtt://b:1\"]\n", "more than one broker"},
-                    Case{"[mqtt]\nbrokers = [\"mqtts://a:8883\"]\n", "mqtts://"},
-                    Case{"[mqtt]\nca_file = \"x\"\n", "mqtt.ca_file"},
-                    Case{"[mqtt]\ncert_file = \"x\"\n", "mqtt.cert_file"},
-                    Case{"[mqtt]\nkey_file = \"x\"\n", "mqtt.key_file"},
                     Case{"[mqtt]\nhome_assistant = true\n", "mqtt.home_assistant"}));
 
 TEST(NotBuilt, AreTheDefaultsOfWhatIsNotBuiltEither) {

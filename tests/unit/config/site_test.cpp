@@ -178,7 +178,6 @@ TEST(MqttClient, TakesItsKeysAndThePasswordFile) {
                            "qos = 0\nstate = false\nsignals = false\nmin_interval = \"0s\"\nmax_interval = "
                            "\"10s\"\nusername = \"u\"\npassword_file = \"" +
                            file.string() + "\"\n";
-  EXPECT_EQ(model_of(site).mqtt.value_or(Mqtt{}).password, "") << "no secret is read unless somebody asks for it";
   const LoadOptions with_secrets{
       .file = "gateway.toml", .profile_dirs = {kProfiles}, .host_name = "host", .with_secrets = true};
   const Model model = load_text(site, with_secrets).model.value_or(Model{});
@@ -190,7 +189,46 @@ TEST(MqttClient, TakesItsKeysAndThePasswordFile) {
   EXPECT_FALSE(model.mqtt->signals);
   EXPECT_EQ(model.mqtt->min_interval, canopen::Duration::zero());
   EXPECT_EQ(model.mqtt->username, "u");
-  EXPECT_EQ(model.mqtt->password, "secret");
+  EXPECT_EQ(model.mqtt->password_file, file.string()) << "it is read when it is used";
+}
+
+TEST(MqttClient, TakesTheFilesOfTls) {
+  const std::filesystem::path directory = std::filesystem::path(testing::TempDir()) / "mqtt-tls";
+  std::filesystem::create_directories(directory / "credentials");
+  for (const char* const file : {"ca.crt", "gw.crt", "gw.key", "credentials/gw.key"}) {
+    std::ofstream(directory / file) << "PEM\n";
+    std::filesystem::permissions(directory / file, std::filesystem::perms::owner_read);
+  }
+  const std::string tls = "[mqtt]\nbrokers = [\"mqtts://Broker.example:8883\"]\n";
+  const std::string files = "ca_file = \"ca.crt\"\ncert_file = \"gw.crt\"\nkey_file = \"gw.key\"\n";
+  const LoadOptions options{.file = directory / "gateway.toml", .profile_dirs = {kProfiles}, .host_name = "host"};
+  Mqtt mqtt = load_text(kBus + kDrive + tls + files, options).model.value_or(Model{}).mqtt.value_or(Mqtt{});
+  EXPECT_EQ(mqtt.brokers, (std::vector<Endpoint>{{"broker.example", 8883, true}}));
+  EXPECT_EQ(mqtt.ca_file, (directory / "ca.crt").string());
+  EXPECT_EQ(mqtt.cert_file, (directory / "gw.crt").string());
+  EXPECT_EQ(mqtt.key_file, (directory / "gw.key").string());
+  ASSERT_EQ(setenv("CREDENTIALS_DIRECTORY", (directory / "credentials").c_str(), 1), 0);
+  mqtt = load_text(kBus + kDrive + tls + files, options).model.value_or(Model{}).mqtt.value_or(Mqtt{});
+  unsetenv("CREDENTIALS_DIRECTORY");
+  EXPECT_EQ(mqtt.key_file, (directory / "credentials/gw.key").string());
+  EXPECT_EQ(mqtt.ca_file, (directory / "ca.crt").string()) << "which is no credential";
+}
+
+TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
+  const std::string site = kBus + kDrive + "[mqtt]\n";
+  const std::string tls = site + "brokers = [\"mqtts://a:8883\"]\n";
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "tls-file";
+  std::ofstream(file) << "PEM\n";
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  const std::string is_file = " = \"" + file.string() + "\"\n";
+  EXPECT_THAT(error_of(site + "ca_file" + is_file), HasSubstr("8:11: error: mqtt.ca_file is of use only with TLS"));
+  EXPECT_THAT(error_of(tls + "cert_file" + is_file), HasSubstr("9:13: error: mqtt.cert_file needs key_file"));
+  EXPECT_THAT(error_of(tls + "key_file" + is_file), HasSubstr("9:12: error: mqtt.key_file needs cert_file"));
+  EXPECT_THAT(error_of(tls + "ca_file = \"/nowhere/ca\"\n"),
+              HasSubstr("9:11: error: mqtt.ca_file \"/nowhere/ca\" cannot be read: no such file"));
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::others_read);
+  EXPECT_THAT(lines(load_site(tls + "cert_file" + is_file + "key_file" + is_file).findings),
+              HasSubstr("10:12: warning: mqtt.key_file \"" + file.string() + "\" can be read by everybody"));
 }
 
 TEST(MqttClient, LooksAtThePasswordFileWithoutReadingIt) {

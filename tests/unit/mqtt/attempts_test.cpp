@@ -48,22 +48,22 @@ TEST(Attempts, TakeOneAddressAfterTheOther) {
 }
 
 TEST(Attempts, OlderMqttIsTriedWhereTheBrokerSaysSoOrClosesTwiceInARow) {
-  constexpr Refusal kClosed{.closed = true};
+  const Refusal closed{.closed = true};
   Attempts attempts(0, 1000ms, 30000ms, 1);
   attempts.found({"a", "b"});
   EXPECT_EQ(attempts.first_version(), 5);
   EXPECT_EQ(attempts.next_version("a", 5, Refusal{.code = 1}), 4);
   EXPECT_EQ(attempts.next_version("a", 5, Refusal{.code = 0x84}), 4);
   EXPECT_EQ(attempts.next_version("a", 5, Refusal{.code = 0x87}), std::nullopt);
-  EXPECT_EQ(attempts.next_version("a", 5, kClosed), std::nullopt);
-  EXPECT_EQ(attempts.next_version("b", 5, kClosed), std::nullopt) << "each address counts by itself";
+  EXPECT_EQ(attempts.next_version("a", 5, closed), std::nullopt);
+  EXPECT_EQ(attempts.next_version("b", 5, closed), std::nullopt) << "each address counts by itself";
   EXPECT_EQ(attempts.next_version("a", 5, Refusal{}), std::nullopt);
-  EXPECT_EQ(attempts.next_version("a", 5, kClosed), std::nullopt) << "in a row";
-  EXPECT_EQ(attempts.next_version("a", 5, kClosed), 4);
+  EXPECT_EQ(attempts.next_version("a", 5, closed), std::nullopt) << "in a row";
+  EXPECT_EQ(attempts.next_version("a", 5, closed), 4);
   EXPECT_EQ(attempts.next_version("a", 4, std::nullopt), std::nullopt);
-  EXPECT_EQ(attempts.next_version("b", 5, kClosed), 4);
-  EXPECT_EQ(attempts.next_version("b", 4, kClosed), std::nullopt);
-  EXPECT_EQ(attempts.next_version("b", 5, kClosed), std::nullopt) << "it closes whatever the version";
+  EXPECT_EQ(attempts.next_version("b", 5, closed), 4);
+  EXPECT_EQ(attempts.next_version("b", 4, closed), std::nullopt);
+  EXPECT_EQ(attempts.next_version("b", 5, closed), std::nullopt) << "it closes whatever the version";
 }
 
 TEST(Attempts, AVersionThatIsConfiguredIsTheOnlyOne) {

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "config/model.h"
+
+namespace mqtt {
+
+/// In OpenSSL's words.
+inline constexpr const char* kTlsCiphers = "DEFAULT:@SECLEVEL=2";
+
+/// Files of TLS, in PEM, as paths; read anew at each connection.
+struct TlsFiles {
+  std::string ca{};    ///< Empty: the authorities that the system trusts.
+  std::string cert{};  ///< Of the client, with its chain; empty: none is shown.
+  std::string key{};   ///< Its private key.
+};
+
+/// Why a connection with these files cannot be tried; empty: it can. Paho would ask the terminal for the password of a
+/// key, and names no file.
+[[nodiscard]] std::string tls_files_mistake(const TlsFiles& files);
+
+/// Why TLS to this broker fails, and how to mend it, found by a handshake of our own, since Paho names no cause. Empty:
+/// it does not fail, or not because of TLS. Tries the addresses in order until one accepts; blocks for `patience`.
+[[nodiscard]] std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::string>& addresses,
+                                      const TlsFiles& files, std::chrono::milliseconds patience);
+
+}  // namespace mqtt
