@@ -11,6 +11,7 @@
 #include "canopen/sdo/block_frames.h"
 #include "canopen/sdo/crc16.h"
 #include "canopen/sdo/transfer.h"
+#include "tests/unit/simulator/golden_trace.h"
 
 namespace canopen {
 namespace {
@@ -112,6 +113,32 @@ TEST_F(SdoBlockFramesTest, ADownload) {
   EXPECT_EQ(request(), "D5 " + hex(crc & 0xFFU, 2) + " " + hex(crc >> 8U, 2) + " 00 00 00 00 00");
   EXPECT_EQ(transfer_->on_departure(), Step::ignored);
   EXPECT_EQ(hear({0xA1, 0, 0, 0, 0, 0, 0, 0}), Step::completed);
+}
+
+// The frames that any decoder can look at: of the traces the answers are played, and the requests compared.
+TEST_F(SdoBlockFramesTest, TheGoldenTraces) {
+  const std::string told = "Frequency inverter, 5.5 kW, firmware 1.07";
+  const Bytes data(told.begin(), told.end());
+  for (const char* name : {"sdo-block-upload", "sdo-block-download"}) {
+    SCOPED_TRACE(name);
+    const bool reads = std::string(name) == "sdo-block-upload";
+    transfer_.emplace(reads ? SdoTransfer::upload(with_block(), {0x1008, 0}, 0)
+                            : SdoTransfer::download(with_block(), {0x2000, 1}, data));
+    Step step = Step::more;
+    for (const simulator::TraceFrame& each : simulator::golden_trace(name)) {
+      if (each.frame.id == 0x605) {
+        ASSERT_EQ(step, Step::more);
+        EXPECT_EQ(request(), text_of(each.frame.bytes()));
+        step = transfer_->on_departure();
+      } else {
+        ASSERT_NE(step, Step::more) << "a request is missing";
+        step = transfer_->on_answer(each.frame.bytes(), false);
+      }
+    }
+    EXPECT_EQ(step, Step::completed);
+    EXPECT_EQ(transfer_->data().size(), data.size());
+    EXPECT_TRUE(!reads || transfer_->data() == data);
+  }
 }
 
 TEST_F(SdoBlockFramesTest, AServerWithoutCheckSumIsSentNone) {
