@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <string>
@@ -210,6 +211,27 @@ TEST_F(SdoBlockFramesTest, OfADownloadOnlyWhatWasNotAcknowledgedIsSentAgain) {
   EXPECT_EQ(transfer_->on_departure(), Step::ignored) << "of the size that the server asks for now";
   EXPECT_EQ(hear({0xA2, 1, 1, 0, 0, 0, 0, 0}), Step::more);
   EXPECT_EQ(request(), "81 1D 1E 1F 20 21 22 23");
+}
+
+TEST_F(SdoBlockFramesTest, SegmentsOfAnUploadThatWasGivenUpPassForNothing) {
+  const std::array<std::uint8_t, 4> value{1, 2, 3, 4};
+  for (unsigned number = 1; number <= SdoBlockUpload::kSegments; ++number) {
+    for (const unsigned last : {0U, 0x80U}) {
+      SdoTransfer write = SdoTransfer::download({}, kFile, value);
+      const auto first = static_cast<std::uint8_t>(number | last);
+      EXPECT_EQ(write.on_answer(Bytes{first, 0x21, 0x10, 0, 0, 0, 0, 8}, true), Step::ignored) << number;
+      EXPECT_EQ(write.on_answer(Bytes{0x60, 0x21, 0x10, 0, 0, 0, 0, 0}, true), Step::completed);
+    }
+  }
+}
+
+TEST_F(SdoBlockFramesTest, AnAbortWithoutObjectEndsAnUploadInSegmentsThatWasAccepted) {
+  SdoTransfer read = SdoTransfer::upload({}, kFile, 0);
+  const Bytes abort{0x80, 0, 0, 0, 0, 0, 0, 8};
+  EXPECT_EQ(read.on_answer(abort, true), Step::ignored) << "it may be that of an older request";
+  EXPECT_EQ(read.on_answer(Bytes{0x41, 0x21, 0x10, 0, 9, 0, 0, 0}, true), Step::more);
+  EXPECT_EQ(read.on_answer(abort, true), Step::failed);
+  EXPECT_EQ(read.error().abort, 0x08000000U);
 }
 
 struct Mistake {
