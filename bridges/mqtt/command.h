@@ -42,12 +42,4 @@ struct Fields {
 
 [[nodiscard]] canopen::Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members);
 
-/// `{"op":"read","object":"0x2002:03","type":"u16"}`; a write has a `value`, raw as the device holds it.
-struct SdoRequest {
-  canopen::ObjectAddress object;
-  canopen::DataType type = canopen::DataType::u16;
-  std::optional<canopen::Raw> value;  ///< Nothing: read.
-};
-[[nodiscard]] canopen::Result<SdoRequest> sdo_request_of(const FlatObject& members);
-
 }  // namespace mqtt
