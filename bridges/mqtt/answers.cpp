@@ -118,4 +118,18 @@ Message sdo_answer(const ReplyTo& to, const canopen::Result<canopen::Raw>& read,
   return answer(to, std::move(payload));
 }
 
+Message sdo_answer(const ReplyTo& to, const canopen::Result<std::vector<std::uint8_t>>& read, SdoForm form) {
+  std::string payload;
+  text::ObjectText object(payload);
+  append_id(object, to);
+  object.boolean("ok", read.has_value());
+  if (read.has_error()) {
+    append_error(object, read.error());
+  } else {
+    object.text("value", sdo_text(form, read.value()));
+  }
+  object.close();
+  return answer(to, std::move(payload));
+}
+
 }  // namespace mqtt

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bridges/mqtt/message.h"
+#include "bridges/mqtt/sdo_request.h"
 #include "bridges/process/command.h"
 #include "canopen/error.h"
 #include "canopen/object.h"
@@ -36,5 +37,8 @@ struct ReplyTo {
 
 /// To a read: `{"id":"7","ok":true,"value":0}`. `type` is that of the value.
 [[nodiscard]] Message sdo_answer(const ReplyTo& to, const canopen::Result<canopen::Raw>& read, canopen::DataType type);
+/// The same of text or bytes: `{"id":"7","ok":true,"value":"AC310"}`.
+[[nodiscard]] Message sdo_answer(const ReplyTo& to, const canopen::Result<std::vector<std::uint8_t>>& read,
+                                 SdoForm form);
 
 }  // namespace mqtt

@@ -66,12 +66,17 @@ std::vector<process::FieldWrite> written_by(const config::Drive& drive, const As
     return fields->sound;
   }
   const auto* request = std::get_if<SdoRequest>(&asked);
-  if (request != nullptr && request->value) {
-    if (const auto signal = process::writable_signal(drive, request->object)) {
-      return {{*signal, *request->value}};
-    }
+  const auto signal = request != nullptr ? process::writable_signal(drive, request->object) : std::nullopt;
+  if (!signal) {
+    return {};
   }
-  return {};
+  if (request->value) {
+    return {{*signal, *request->value}};
+  }
+  const canopen::DataType type = drive.signals[*signal].type;
+  const auto raw =
+      request->data.size() == canopen::byte_length(type) ? canopen::decode_raw(type, request->data) : std::nullopt;
+  return raw ? std::vector<process::FieldWrite>{{*signal, *raw}} : std::vector<process::FieldWrite>{};
 }
 
 }  // namespace mqtt

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bridges/mqtt/command.h"
+#include "bridges/mqtt/sdo_request.h"
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/command.h"
 #include "canopen/error.h"

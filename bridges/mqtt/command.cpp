@@ -54,18 +54,6 @@ Result<process::GivenValue> integer_of(std::string_view text) {
   return process::GivenValue(static_cast<Raw>(value));
 }
 
-// A whole number in a 64-bit integer type, which a double would round, is its raw value.
-Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text) {
-  if (type == canopen::DataType::i64 && is_integer(text)) {
-    return integer_of<std::int64_t>(text);
-  }
-  if (type == canopen::DataType::u64 && is_integer(text)) {
-    return integer_of<std::uint64_t>(text == "-0" ? "0" : text);
-  }
-  const Result<double> number = text::number_of(text);
-  return number.has_value() ? Result<process::GivenValue>(number.value()) : number.error();
-}
-
 // Moves the id out of the members.
 void take_id(Parsed& parsed) {
   FlatObject& members = parsed.members.value();
@@ -83,22 +71,6 @@ void take_id(Parsed& parsed) {
   }
 }
 
-// A member that is not known is a mistake; a command with a mistake is not carried out.
-std::optional<Error> unknown_member(const FlatObject& members, std::initializer_list<std::string_view> known) {
-  for (const auto& [name, value] : members) {
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      std::string list;
-      for (const std::string_view each : known) {
-        list += list.empty() ? "" : ", ";
-        list += each;
-      }
-      return type_error(
-          std::string("unknown member \"").append(name).append("\"; known are ").append(list).append(", id"));
-    }
-  }
-  return std::nullopt;
-}
-
 Result<Raw> named_raw(const config::Signal& signal, const std::string& name) {
   std::string known;
   for (const auto& [raw, text] : signal.values) {
@@ -113,29 +85,19 @@ Result<Raw> named_raw(const config::Signal& signal, const std::string& name) {
   return type_error(signal.name + ": \"" + name.substr(0, 64) + "\" is none of " + known);
 }
 
-Result<Raw> raw_of(canopen::DataType type, const Scalar& value) {
-  if (value.kind == Scalar::Kind::boolean && type == canopen::DataType::boolean) {
-    return Raw{value.text == "true" ? 1U : 0U};
-  }
-  if (value.kind != Scalar::Kind::number) {
-    return type_error("\"value\" is not a value of type " + std::string(canopen::name_of(type)));
-  }
-  const Result<process::GivenValue> number = number_in(type, value.text);
-  if (number.has_error()) {
-    return number.error();
-  }
-  if (const Raw* exact = std::get_if<Raw>(&number.value())) {
-    return *exact;
-  }
-  const auto raw = canopen::from_number(type, std::get<double>(number.value()));
-  if (!raw) {
-    return Error{.kind = ErrorKind::range,
-                 .detail = value.text + " is out of the range of " + std::string(canopen::name_of(type))};
-  }
-  return *raw;
-}
-
 }  // namespace
+
+// A whole number in a 64-bit integer type, which a double would round, is its raw value.
+Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text) {
+  if (type == canopen::DataType::i64 && is_integer(text)) {
+    return integer_of<std::int64_t>(text);
+  }
+  if (type == canopen::DataType::u64 && is_integer(text)) {
+    return integer_of<std::uint64_t>(text == "-0" ? "0" : text);
+  }
+  const Result<double> number = text::number_of(text);
+  return number.has_value() ? Result<process::GivenValue>(number.value()) : number.error();
+}
 
 Parsed parse_value(std::string_view payload) {
   const std::string_view text = trimmed(payload);
@@ -225,43 +187,6 @@ Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members) {
                      "reset-communication"};
   }
   return *command;
-}
-
-Result<SdoRequest> sdo_request_of(const FlatObject& members) {
-  if (const auto unknown = unknown_member(members, {"op", "object", "type", "value"})) {
-    return *unknown;
-  }
-  const std::string* const op = text::find_string(members, "op");
-  if (op == nullptr) {
-    return type_error("\"op\" is to be a string");
-  }
-  if (*op != "read" && *op != "write") {
-    return Error{.kind = ErrorKind::unknown, .detail = "\"op\" is to be \"read\" or \"write\""};
-  }
-  const std::string* const object = text::find_string(members, "object");
-  const auto address = object != nullptr ? canopen::parse_object(*object) : std::nullopt;
-  if (!address) {
-    return type_error("\"object\" is to be an address like \"0x2002:03\"");
-  }
-  const std::string* const type = text::find_string(members, "type");
-  const auto data_type = type != nullptr ? canopen::parse_type(*type) : std::nullopt;
-  if (!data_type) {
-    return type_error("\"type\" is to be one of bool, u8, u16, u32, u64, i8, i16, i32, i64, f32, f64");
-  }
-  SdoRequest request{*address, *data_type, std::nullopt};
-  const Scalar* const value = text::find_member(members, "value");
-  if (*op == "read") {
-    return value == nullptr ? Result<SdoRequest>(request) : type_error("a read has no \"value\"");
-  }
-  if (value == nullptr) {
-    return type_error("\"value\" is missing");
-  }
-  const Result<Raw> raw = raw_of(*data_type, *value);
-  if (raw.has_error()) {
-    return raw.error();
-  }
-  request.value = raw.value();
-  return request;
 }
 
 }  // namespace mqtt

@@ -35,6 +35,10 @@ struct Parsed {
 /// `read_only`, `type` and, for what a 64-bit type cannot hold, `range`.
 [[nodiscard]] canopen::Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t signal,
                                                             const Scalar& value);
+/// The number that a text is, for a value of this type: of the 64-bit ones the exact raw value where it is written as a
+/// whole number. `type`, `range`.
+[[nodiscard]] canopen::Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text);
+
 /// What several members write.
 struct Fields {
   std::vector<process::FieldWrite> sound{};  ///< In their order.
@@ -44,13 +48,5 @@ struct Fields {
 [[nodiscard]] Fields fields_of(const config::Drive& drive, const FlatObject& members);
 
 [[nodiscard]] canopen::Result<canopen::NmtCommand> nmt_command_of(const FlatObject& members);
-
-/// `{"op":"read","object":"0x2002:03","type":"u16"}`; a write has a `value`, raw as the device holds it.
-struct SdoRequest {
-  canopen::ObjectAddress object;
-  canopen::DataType type = canopen::DataType::u16;
-  std::optional<canopen::Raw> value;  ///< Nothing: read.
-};
-[[nodiscard]] canopen::Result<SdoRequest> sdo_request_of(const FlatObject& members);
 
 }  // namespace mqtt

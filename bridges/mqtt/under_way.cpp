@@ -49,6 +49,26 @@ boost::asio::awaitable<process::Outcome> write_fields(process::Drive& drive, pro
   co_return outcome;
 }
 
+boost::asio::awaitable<Message> read_object(process::Drive& drive, SdoRequest request, ReplyTo to) {
+  if (request.form == SdoForm::number) {
+    const Result<canopen::Raw> read = co_await drive.sdo_read(request.object, request.type);
+    co_return sdo_answer(to, read, request.type);
+  }
+  const Result<std::vector<std::uint8_t>> read = co_await drive.sdo_read(request.object);
+  co_return sdo_answer(to, read, request.form);
+}
+
+boost::asio::awaitable<process::Outcome> write_object(process::Drive& drive, process::Origin origin,
+                                                      SdoRequest request) {
+  if (request.value) {
+    const canopen::ObjectValue value{request.object, request.type, *request.value};
+    process::Outcome outcome = co_await drive.sdo_write(std::move(origin), value);
+    co_return outcome;
+  }
+  process::Outcome outcome = co_await drive.sdo_write(std::move(origin), request.object, std::move(request.data));
+  co_return outcome;
+}
+
 }  // namespace
 
 void UnderWay::settle(const Asker& asker, const process::Outcome& outcome) {
@@ -89,14 +109,13 @@ boost::asio::awaitable<void> carry_out(std::shared_ptr<UnderWay> under_way, proc
   } else if (const auto* nmt = std::get_if<canopen::NmtCommand>(&asked)) {
     outcome = co_await drive->nmt(std::move(origin), *nmt);
   } else {
-    const auto request = std::get<SdoRequest>(asked);
-    if (!request.value) {
-      const Result<canopen::Raw> read = co_await drive->sdo_read(request.object, request.type);
-      under_way->send(sdo_answer(asker.to, read, request.type));
+    auto request = std::get<SdoRequest>(std::move(asked));
+    if (!request.writes()) {
+      Message answer = co_await read_object(*drive, std::move(request), asker.to);
+      under_way->send(std::move(answer));
       co_return;
     }
-    const canopen::ObjectValue value{request.object, request.type, *request.value};
-    outcome = co_await drive->sdo_write(std::move(origin), value);
+    outcome = co_await write_object(*drive, std::move(origin), std::move(request));
   }
   under_way->settle(asker, outcome);
 }

@@ -121,6 +121,22 @@ const std::string* find_string(const FlatObject& members, std::string_view name)
   return value != nullptr && value->kind == Scalar::Kind::string ? &value->text : nullptr;
 }
 
+std::optional<canopen::Error> unknown_member(const FlatObject& members, std::initializer_list<std::string_view> known) {
+  for (const auto& [name, value] : members) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      std::string list;
+      for (const std::string_view each : known) {
+        list += list.empty() ? "" : ", ";
+        list += each;
+      }
+      return canopen::Error{
+          .kind = canopen::ErrorKind::type,
+          .detail = std::string("unknown member \"").append(name).append("\"; known are ").append(list).append(", id")};
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> echoed_id(const Scalar& id) {
   if (id.kind == Scalar::Kind::number) {
     return id.text;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,9 @@ using FlatObject = std::vector<std::pair<std::string, Scalar>>;
 [[nodiscard]] const Scalar* find_member(const FlatObject& members, std::string_view name);
 /// Its characters, where it is there and a string; else null.
 [[nodiscard]] const std::string* find_string(const FlatObject& members, std::string_view name);
+/// A member that is not known is a mistake; a command with a mistake is not carried out. `known` beside `id`.
+[[nodiscard]] std::optional<canopen::Error> unknown_member(const FlatObject& members,
+                                                           std::initializer_list<std::string_view> known);
 /// An id as it is echoed, as JSON text; nothing where it is neither a string nor a number.
 [[nodiscard]] std::optional<std::string> echoed_id(const Scalar& id);
 

@@ -53,9 +53,9 @@ SdoTransfer::Step SdoTransfer::on_answer(std::span<const std::uint8_t> answer, b
   if (answer.empty() || phase_ == Phase::over) {
     return Step::ignored;
   }
-  // Of a segment of a block upload any other first byte is its number.
-  const bool is_abort = block_upload_ && block_upload_->wants_segments() ? answer[0] == kAbortByte
-                                                                         : sdo_answer_of(answer[0]) == SdoAnswer::abort;
+  // The segments of a block upload have any other first byte; those of one that was given up may come late.
+  const bool segments_may_come = late_possible || (block_upload_ && block_upload_->wants_segments());
+  const bool is_abort = segments_may_come ? answer[0] == kAbortByte : sdo_answer_of(answer[0]) == SdoAnswer::abort;
   if (in_block() && !is_abort) {
     return on_block(answer);
   }

@@ -53,6 +53,10 @@ std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw
   return mqtt::sdo_answer({.id = std::string(id)}, raw, type).payload;
 }
 
+std::string read_data(std::string_view id, mqtt::SdoForm form, const std::vector<std::uint8_t>& data) {
+  return mqtt::sdo_answer({.id = std::string(id)}, data, form).payload;
+}
+
 std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,
                         std::span<const process::NotStopped> not_stopped) {
   if (asked == 0) {

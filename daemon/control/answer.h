@@ -4,7 +4,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "bridges/mqtt/sdo_request.h"
 #include "bridges/process/command.h"
 #include "bridges/process/plant.h"
 #include "bridges/process/stop_all.h"
@@ -24,6 +26,8 @@ namespace gateway::control {
 
 /// `{"id":7,"ok":true,"value":0}`, as the device holds it.
 [[nodiscard]] std::string read_value(std::string_view id, canopen::DataType type, canopen::Raw raw);
+/// The same of text or bytes.
+[[nodiscard]] std::string read_data(std::string_view id, mqtt::SdoForm form, const std::vector<std::uint8_t>& data);
 
 /// `{"id":7,"ok":true,"stopped":2}`, or a refusal that names those of the `asked` drives that did not confirm.
 [[nodiscard]] std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,

@@ -192,7 +192,9 @@ int sdo(const Reach& reach, const SdoOrder& order) {
     members.emplace_back("type", as_json(order.words.front()));
   }
   if (writes) {
-    members.emplace_back("value", json_of_raw(order.words.back()));
+    const bool is_text =
+        order.words.size() > least && (order.words.front() == "string" || order.words.front() == "bytes");
+    members.emplace_back("value", is_text ? as_json(order.words.back()) : json_of_raw(order.words.back()));
     return command(reach, request_of("sdo-write", order.drive, members));
   }
   const Answer answer = ask(reach, request_of("sdo-read", order.drive, members));

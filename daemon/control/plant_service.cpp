@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bridges/mqtt/command.h"
+#include "bridges/mqtt/sdo_request.h"
 #include "bridges/process/stop_all.h"
 #include "daemon/control/answer.h"
 #include "daemon/control/status_json.h"
@@ -119,28 +120,44 @@ awaitable<std::string> nmt(Plant& plant, Asked asked) {
   co_return told_outcome(asked.id, outcome);
 }
 
+awaitable<process::Outcome> write_object(Drive& drive, process::Origin origin, mqtt::SdoRequest request) {
+  if (request.value) {
+    const canopen::ObjectValue value{request.object, request.type, *request.value};
+    process::Outcome outcome = co_await drive.sdo_write(std::move(origin), value);
+    co_return outcome;
+  }
+  process::Outcome outcome = co_await drive.sdo_write(std::move(origin), request.object, std::move(request.data));
+  co_return outcome;
+}
+
+awaitable<std::string> read_object(Drive& drive, std::string id, mqtt::SdoRequest request) {
+  if (request.form == mqtt::SdoForm::number) {
+    const Result<canopen::Raw> read = co_await drive.sdo_read(request.object, request.type);
+    co_return read.has_error() ? refusal(id, read.error()) : read_value(id, request.type, read.value());
+  }
+  const Result<std::vector<std::uint8_t>> read = co_await drive.sdo_read(request.object);
+  co_return read.has_error() ? refusal(id, read.error()) : read_data(id, request.form, read.value());
+}
+
 awaitable<std::string> sdo(Plant& plant, Asked asked) {
   Drive* const drive = plant.find(asked.request.drive);
   if (drive == nullptr) {
     co_return no_drive(asked);
   }
-  const Result<mqtt::SdoRequest> request = sdo_request_of(drive->model(), asked.request);
+  Result<mqtt::SdoRequest> request = sdo_request_of(drive->model(), asked.request);
   if (asked.request.op == Op::sdo_write) {
     if (request.has_error()) {
       co_return refused(asked, *drive, Kind::raw, request.error());
     }
-    const mqtt::SdoRequest& write = request.value();
     process::Origin origin = origin_of(asked);
-    const canopen::ObjectValue value{write.object, write.type, write.value.value()};
-    const process::Outcome outcome = co_await drive->sdo_write(std::move(origin), value);
+    const process::Outcome outcome = co_await write_object(*drive, std::move(origin), std::move(request.value()));
     co_return told_outcome(asked.id, outcome);
   }
   if (request.has_error()) {
     co_return refusal(asked.id, request.error());
   }
-  const Result<canopen::Raw> read = co_await drive->sdo_read(request.value().object, request.value().type);
-  co_return read.has_error() ? refusal(asked.id, read.error())
-                             : read_value(asked.id, request.value().type, read.value());
+  std::string answer = co_await read_object(*drive, asked.id, std::move(request.value()));
+  co_return answer;
 }
 
 awaitable<std::string> stop(Plant& plant, Asked asked) {

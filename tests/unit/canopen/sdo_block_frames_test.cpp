@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <string>
@@ -11,6 +12,7 @@
 #include "canopen/sdo/block_frames.h"
 #include "canopen/sdo/crc16.h"
 #include "canopen/sdo/transfer.h"
+#include "tests/unit/simulator/golden_trace.h"
 
 namespace canopen {
 namespace {
@@ -114,6 +116,32 @@ TEST_F(SdoBlockFramesTest, ADownload) {
   EXPECT_EQ(hear({0xA1, 0, 0, 0, 0, 0, 0, 0}), Step::completed);
 }
 
+// The frames that any decoder can look at: of the traces the answers are played, and the requests compared.
+TEST_F(SdoBlockFramesTest, TheGoldenTraces) {
+  const std::string told = "Frequency inverter, 5.5 kW, firmware 1.07";
+  const Bytes data(told.begin(), told.end());
+  for (const char* name : {"sdo-block-upload", "sdo-block-download"}) {
+    SCOPED_TRACE(name);
+    const bool reads = std::string(name) == "sdo-block-upload";
+    transfer_.emplace(reads ? SdoTransfer::upload(with_block(), {0x1008, 0}, 0)
+                            : SdoTransfer::download(with_block(), {0x2000, 1}, data));
+    Step step = Step::more;
+    for (const simulator::TraceFrame& each : simulator::golden_trace(name)) {
+      if (each.frame.id == 0x605) {
+        ASSERT_EQ(step, Step::more);
+        EXPECT_EQ(request(), text_of(each.frame.bytes()));
+        step = transfer_->on_departure();
+      } else {
+        ASSERT_NE(step, Step::more) << "a request is missing";
+        step = transfer_->on_answer(each.frame.bytes(), false);
+      }
+    }
+    EXPECT_EQ(step, Step::completed);
+    EXPECT_EQ(transfer_->data().size(), data.size());
+    EXPECT_TRUE(!reads || transfer_->data() == data);
+  }
+}
+
 TEST_F(SdoBlockFramesTest, AServerWithoutCheckSumIsSentNone) {
   begin_download(29);
   EXPECT_EQ(hear({0xA0, 0x21, 0x10, 0, 127, 0, 0, 0}), Step::more);
@@ -183,6 +211,27 @@ TEST_F(SdoBlockFramesTest, OfADownloadOnlyWhatWasNotAcknowledgedIsSentAgain) {
   EXPECT_EQ(transfer_->on_departure(), Step::ignored) << "of the size that the server asks for now";
   EXPECT_EQ(hear({0xA2, 1, 1, 0, 0, 0, 0, 0}), Step::more);
   EXPECT_EQ(request(), "81 1D 1E 1F 20 21 22 23");
+}
+
+TEST_F(SdoBlockFramesTest, SegmentsOfAnUploadThatWasGivenUpPassForNothing) {
+  const std::array<std::uint8_t, 4> value{1, 2, 3, 4};
+  for (unsigned number = 1; number <= SdoBlockUpload::kSegments; ++number) {
+    for (const unsigned last : {0U, 0x80U}) {
+      SdoTransfer write = SdoTransfer::download({}, kFile, value);
+      const auto first = static_cast<std::uint8_t>(number | last);
+      EXPECT_EQ(write.on_answer(Bytes{first, 0x21, 0x10, 0, 0, 0, 0, 8}, true), Step::ignored) << number;
+      EXPECT_EQ(write.on_answer(Bytes{0x60, 0x21, 0x10, 0, 0, 0, 0, 0}, true), Step::completed);
+    }
+  }
+}
+
+TEST_F(SdoBlockFramesTest, AnAbortWithoutObjectEndsAnUploadInSegmentsThatWasAccepted) {
+  SdoTransfer read = SdoTransfer::upload({}, kFile, 0);
+  const Bytes abort{0x80, 0, 0, 0, 0, 0, 0, 8};
+  EXPECT_EQ(read.on_answer(abort, true), Step::ignored) << "it may be that of an older request";
+  EXPECT_EQ(read.on_answer(Bytes{0x41, 0x21, 0x10, 0, 9, 0, 0, 0}, true), Step::more);
+  EXPECT_EQ(read.on_answer(abort, true), Step::failed);
+  EXPECT_EQ(read.error().abort, 0x08000000U);
 }
 
 struct Mistake {

@@ -89,5 +89,17 @@ TEST(Answers, OfSdoRequests) {
       << refused;
 }
 
+TEST(Answers, OfSdoRequestsForTextAndBytes) {
+  const std::vector<std::uint8_t> name{'"', 'A', 0xFF, 0};
+  EXPECT_EQ(sdo_answer(kTo, name, SdoForm::text).payload, R"({"id":"a1","ok":true,"value":"\"A)"
+                                                          "\xEF\xBF\xBD"
+                                                          R"("})")
+      << "what is no text is replaced";
+  EXPECT_EQ(sdo_answer(kTo, name, SdoForm::bytes).payload, R"({"id":"a1","ok":true,"value":"2241FF00"})");
+  const Error refused{.kind = ErrorKind::refused, .abort = 0x06020000};
+  EXPECT_TRUE(
+      sdo_answer(kTo, refused, SdoForm::bytes).payload.starts_with(R"({"id":"a1","ok":false,"code":"refused",)"));
+}
+
 }  // namespace
 }  // namespace mqtt

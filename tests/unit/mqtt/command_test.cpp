@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "bridges/mqtt/sdo_request.h"
 #include "tests/unit/mqtt/site.h"
 
 namespace mqtt {
@@ -165,6 +166,39 @@ TEST(Command, SdoWriteTakesRawValues) {
   EXPECT_EQ(write("u8", "-1").error().kind, ErrorKind::range);
   EXPECT_EQ(write("u8", "true").error().kind, ErrorKind::type);
   EXPECT_EQ(write("u8", "\"1\"").error().kind, ErrorKind::type);
+}
+
+TEST(Command, SdoTakesTextAndBytes) {
+  const auto write = [](std::string_view type, std::string_view value) {
+    return sdo(R"({"op":"write","object":"0x2002:03","type":")" + std::string(type) + R"(","value":)" +
+               std::string(value) + "}");
+  };
+  const auto text = write("string", R"("pump \u00e4")");
+  ASSERT_TRUE(text.has_value());
+  EXPECT_EQ(text.value().form, SdoForm::text);
+  EXPECT_EQ(text.value().data, (std::vector<std::uint8_t>{'p', 'u', 'm', 'p', ' ', 0xC3, 0xA4}));
+  EXPECT_TRUE(text.value().writes());
+  const auto bytes = write("bytes", R"("00fFa1")");
+  ASSERT_TRUE(bytes.has_value());
+  EXPECT_EQ(bytes.value().form, SdoForm::bytes);
+  EXPECT_EQ(bytes.value().data, (std::vector<std::uint8_t>{0x00, 0xFF, 0xA1}));
+  for (const char* digits : {R"("0")", R"("0g")", R"("0x10")", R"("+1")", R"("")", "10", "null"}) {
+    EXPECT_EQ(write("bytes", digits).error().kind, ErrorKind::type) << digits;
+  }
+  for (const char* value : {R"("")", "1", "true", "null"}) {
+    EXPECT_EQ(write("string", value).error().kind, ErrorKind::type) << value;
+  }
+  const auto read = sdo(R"({"op":"read","object":"0x1008:00","type":"string"})");
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read.value().form, SdoForm::text);
+  EXPECT_FALSE(read.value().writes());
+}
+
+TEST(Command, SdoShowsTextAndBytes) {
+  EXPECT_EQ(sdo_text(SdoForm::text, {'A', 'C', '3', 0, 0}), "AC3") << "some devices send the zero behind a string";
+  EXPECT_EQ(sdo_text(SdoForm::text, {'A', 0, 'C'}), std::string("A\0C", 3));
+  EXPECT_EQ(sdo_text(SdoForm::text, {0}), "");
+  EXPECT_EQ(sdo_text(SdoForm::bytes, {0x00, 0xAF, 0x05}), "00AF05");
 }
 
 TEST(Command, SdoRefusesWhatIsMissingOrUnknown) {

@@ -197,6 +197,24 @@ TEST_F(MqttRequests, SdoReadsAndWrites) {
   EXPECT_EQ(code_of(ask_sdo(R"({"op":"read"})")), "type");
 }
 
+TEST_F(MqttRequests, SdoReadsAndWritesTextAndBytes) {
+  site_.puppet().dictionary[{0x1008, 0}] = {.value = 0x00434241, .size = 4};
+  EXPECT_EQ(ask_sdo(R"({"id":"1","op":"read","object":"0x1008:00","type":"string"})"),
+            R"({"id":"1","ok":true,"value":"ABC"})");
+  EXPECT_EQ(ask_sdo(R"({"id":"2","op":"read","object":"0x1008:00","type":"bytes"})"),
+            R"({"id":"2","ok":true,"value":"41424300"})");
+  EXPECT_EQ(code_of(ask_sdo(R"({"id":"3","op":"write","object":"0x2002:03","type":"bytes","value":"0300"})")),
+            "forbidden")
+      << "raw writes are off";
+  site_.puppet().written.clear();
+  EXPECT_EQ(ask_sdo(R"({"id":"4","op":"write","object":"0x2031:00","type":"bytes","value":"02"})"),
+            R"({"id":"4","ok":true})")
+      << "an object that is a writable signal, and as many bytes as that has";
+  ASSERT_EQ(site_.puppet().written.size(), 1U);
+  EXPECT_EQ(site_.puppet().written[0].raw, 2U);
+  EXPECT_EQ(code_of(ask_sdo(R"({"id":"5","op":"write","object":"0x2031:00","type":"bytes","value":"0200"})")), "type");
+}
+
 TEST_F(MqttRequests, NmtCommandsAreSent) {
   EXPECT_NE(ask("pump1/nmt/set", "stop").find("\"ok\":true"), std::string::npos) << site_.last_answer();
   EXPECT_EQ(site_.puppet().nmt_commands.back(), 2);

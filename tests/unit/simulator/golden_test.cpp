@@ -23,7 +23,7 @@ void expect_exchange(Bench& bench, std::string_view name) {
 
 TEST(Golden, EveryTraceIsReadable) {
   const auto names = golden_trace_names();
-  EXPECT_EQ(names.size(), 17U);
+  EXPECT_EQ(names.size(), 19U);
   for (const std::string& name : names) {
     EXPECT_NO_THROW(static_cast<void>(golden_trace(name))) << name;
   }

@@ -173,6 +173,20 @@ TEST_F(ControlPlant, ReadsObjectsOfAnyDrive) {
               AllOf(HasSubstr("\"code\":\"refused\""), HasSubstr("\"abort\":\"0x06020000")));
 }
 
+TEST_F(ControlPlant, ReadsAndWritesBytes) {
+  EXPECT_EQ(ask(R"({"id":1,"op":"sdo-read","drive":"pump1","object":"0x1017:00","type":"bytes"})"),
+            R"({"id":1,"ok":true,"value":"F401"})");
+  EXPECT_EQ(ask(R"({"id":1,"op":"sdo-read","drive":"pump1","object":"0x5FFF:00","type":"string"})")
+                .find(R"({"id":1,"ok":false,"code":"refused")"),
+            0U);
+  EXPECT_THAT(ask(R"({"op":"sdo-write","drive":"fan1","object":"0xBF00:00","type":"bytes","value":"0500"})"),
+              HasSubstr("\"code\":\"forbidden\""));
+  EXPECT_THAT(ask(R"({"op":"sdo-write","drive":"pump1","object":"0xBF00:00","type":"bytes","value":"5"})"),
+              HasSubstr("\"code\":\"type\""));
+  EXPECT_EQ(ask(R"({"id":1,"op":"sdo-write","drive":"pump1","object":"0xBF00:00","type":"bytes","value":"0500"})"),
+            R"({"id":1,"ok":true})");
+}
+
 TEST_F(ControlPlant, WritesObjectsWhereRawIsGranted) {
   const std::string trip = R"(","object":"0xBF00:00","type":"u16","value":5})";
   EXPECT_THAT(ask(R"({"op":"sdo-write","drive":"fan1)" + trip), HasSubstr("\"code\":\"forbidden\""));
