@@ -109,7 +109,9 @@ Traffic polls_of(const Drive& drive) {
 
 /// All that a drive causes but its polls.
 Traffic process_data_of(const Drive& drive, Duration sync) {
-  Traffic sum = frames(kHeartbeatBytes, drive.node.error_control.heartbeat);
+  const canopen::ErrorControlSettings& control = drive.node.error_control;
+  Traffic sum = frames(kHeartbeatBytes, control.heartbeat);
+  sum = sum + frames(0, control.guarding) + frames(kHeartbeatBytes, control.guarding);  // Request and answer.
   for (const canopen::PdoSettings& tpdo : drive.node.tpdos) {
     sum = sum + tpdo_traffic(tpdo, sync);
   }

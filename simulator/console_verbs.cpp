@@ -234,6 +234,7 @@ constexpr std::array<Verb, 22> kVerbs{{
     {"unplug", 1, 1, false, "on|off", "neither send nor hear", set_flag<&Misbehaviour::unplugged>},
     {"heartbeat", 1, 1, false, "on|off", "heartbeats and guarding answers",
      set_inverted<&Misbehaviour::heartbeat_stopped>},
+    {"toggle", 1, 1, false, "on|off", "the toggle bit of guarding answers", set_inverted<&Misbehaviour::toggle_stuck>},
     {"boot-up", 1, 1, false, "on|off", "boot-up frames", set_inverted<&Misbehaviour::boot_up_missing>},
     {"sdo-delay", 1, 1, false, "MS", "answer later; 0 at once", sdo_delay},
     {"sdo-drop", 1, 1, false, "COUNT", "leave the next requests without answer", sdo_drop},

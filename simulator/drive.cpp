@@ -57,7 +57,7 @@ ErrorControl::Actions Drive::error_control_actions() {
   actions.guarding_answer = [this](std::uint8_t status) {
     ++record_.guarding_answers;
     emergency_.clear(ErrorSource::life_guarding);
-    send_status(status);
+    send_status(misbehaviour_.toggle_stuck ? static_cast<std::uint8_t>(status & kStateBits) : status);
   };
   actions.life_guarding_lost = [this] {
     emergency_.raise(ErrorSource::life_guarding, {0x8130, kCommunicationError, {}});
@@ -157,7 +157,7 @@ void Drive::restore_communication_settings() {
   const Traits& traits = model_->traits();
   emergency_.restore_defaults(misbehaviour_.emcy_id);
   pdos_.restore_defaults();
-  error_control_.restore_defaults(options_.heartbeat_ms.value_or(0));
+  error_control_.restore_defaults(options_.heartbeat_ms.value_or(0), options_.guard_ms, options_.life_factor);
   heartbeat_consumer_.restore_defaults(traits.heartbeat_consumers);
   error_behaviour_ = 0;
   sync_cob_id_ = kSyncCobId;

@@ -98,6 +98,7 @@ class Drive final : public Station {
 
   static constexpr std::uint32_t kSyncCobId = 0x80;  ///< 0x1005
 
+  static constexpr std::uint8_t kStateBits = 0x7F;  ///< Of a guarding answer; bit 7 toggles.
   static constexpr std::size_t kLateAnswers = 64;
   static constexpr std::uint8_t kCommunicationError = 0x11;  ///< error register: generic and communication
 

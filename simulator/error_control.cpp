@@ -10,10 +10,10 @@ ErrorControl::ErrorControl(boost::asio::any_io_executor executor, Actions action
       producer_(executor, [this] { actions_.heartbeat(actions_.state()); }),
       life_(executor, [this] { actions_.life_guarding_lost(); }) {}
 
-void ErrorControl::restore_defaults(std::uint16_t heartbeat_ms) {
+void ErrorControl::restore_defaults(std::uint16_t heartbeat_ms, std::uint16_t guard_ms, std::uint8_t life_factor) {
   heartbeat_ms_ = heartbeat_ms;
-  guard_ms_ = 0;
-  life_factor_ = 0;
+  guard_ms_ = guard_ms;
+  life_factor_ = life_factor;
 }
 
 void ErrorControl::define(ObjectDictionary& dictionary, bool node_guarding) {

@@ -23,7 +23,7 @@ class ErrorControl {
 
   ErrorControl(boost::asio::any_io_executor executor, Actions actions);
 
-  void restore_defaults(std::uint16_t heartbeat_ms);
+  void restore_defaults(std::uint16_t heartbeat_ms, std::uint16_t guard_ms, std::uint8_t life_factor);
   void define(ObjectDictionary& dictionary, bool node_guarding);
   /// From the boot-up on; the toggle bit starts at 0.
   void start();

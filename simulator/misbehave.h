@@ -32,6 +32,7 @@ struct Misbehaviour {
   bool unplugged = false;          ///< Neither sends nor hears, as if its cable were pulled.
   bool heartbeat_stopped = false;  ///< No heartbeat and no guarding answer.
   bool boot_up_missing = false;    ///< Sends no boot-up frame.
+  bool toggle_stuck = false;       ///< The toggle bit of guarding answers stays 0.
 
   canopen::Duration sdo_delay{};  ///< Between request and answer.
   bool sdo_short = false;         ///< Answers are cut to the bytes they need.

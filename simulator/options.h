@@ -15,6 +15,10 @@ struct DriveOptions {
   MotorRating motor;
   canopen::Duration boot_time{};              ///< From power-on to the boot-up frame.
   std::optional<std::uint16_t> heartbeat_ms;  ///< 0x1017 at power-on; without a value 0, off.
+  /// 0x100C and 0x100D at power-on, as a master has stored them there. Where neither is 0, the first guarding request
+  /// starts life guarding.
+  std::uint16_t guard_ms = 0;
+  std::uint8_t life_factor = 0;
   std::optional<std::uint16_t>
       tpdo_event_ms;                ///< Event timer of its TPDOs at power-on; without a value the kind's own.
   bool veichi_pdo_objects = false;  ///< 0x1400..0x1A07 can be read and written.

@@ -26,13 +26,25 @@ bool can_be_commanded(const config::Drive& model) {
   return control && config::writable(model.signals[*control].access) && model.commands.writers.any();
 }
 
+std::string_view sign_of_life(const config::Drive& model) {
+  switch (canopen::kind_of(model.node.error_control)) {
+    case canopen::ErrorControlKind::heartbeat:
+      return "heartbeat";
+    case canopen::ErrorControlKind::guarding:
+      return "guarding answer";
+    case canopen::ErrorControlKind::none:
+      break;
+  }
+  return "TPDO and no SDO answer";
+}
+
 std::string heartbeat_text(const config::Drive& model, const canopen::NodeStatus& status) {
   const auto timeout =
       std::chrono::duration_cast<std::chrono::milliseconds>(model.node.error_control.heartbeat_timeout).count();
   if (!status.last_heartbeat && status.heartbeat_losses == 0) {
     return "the drive has not appeared on the bus";
   }
-  return "no heartbeat for " + std::to_string(timeout) + " ms";
+  return "no " + std::string(sign_of_life(model)) + " for " + std::to_string(timeout) + " ms";
 }
 
 std::string boot_text(const canopen::NodeStatus& status) {

@@ -17,6 +17,8 @@ std::string_view letter_reason(BootResult letter) noexcept {
       return "other-vendor";
     case BootResult::no_error_control:
       return "no-error-control";
+    case BootResult::no_guarding:
+      return "no-guarding";
     case BootResult::not_configured:
       return "not-configured";
     case BootResult::no_heartbeat:

@@ -12,6 +12,8 @@ std::string_view text_of(BootResult result) noexcept {
       return "another vendor than expected";
     case BootResult::no_error_control:
       return "neither heartbeat nor guarding answers";
+    case BootResult::no_guarding:
+      return "it does not answer node guarding";
     case BootResult::not_configured:
       return "configuration failed";
     case BootResult::no_heartbeat:

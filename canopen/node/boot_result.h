@@ -13,6 +13,7 @@ enum class BootResult : std::uint8_t {
   other_device_type = 'C',    ///< 0x1000.
   other_vendor = 'D',         ///< 0x1018:01.
   no_error_control = 'E',     ///< It runs, and sends neither heartbeat nor guarding answers.
+  no_guarding = 'F',          ///< Configured, but it answers no guarding request.
   not_configured = 'J',       ///< A setting could not be made, or it does not become operational, or left that state.
   no_heartbeat = 'K',         ///< Configured, but its heartbeat does not start.
   left_alone = 'L',           ///< Found operational, or perhaps so, and not as wanted: nothing is changed.

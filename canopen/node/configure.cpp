@@ -4,9 +4,13 @@
 #include <utility>
 
 #include "canopen/communication_objects.h"
+#include "canopen/node/error_control_setup.h"
+#include "canopen/node/life_guarding.h"
 #include "canopen/node/motor_check.h"
+#include "canopen/node/node_guarding.h"
 #include "canopen/node/pdo_setup.h"
 #include "canopen/node/setup_session.h"
+#include "canopen/sdo/client.h"
 
 namespace canopen {
 namespace {
@@ -29,6 +33,8 @@ void note(BootReport& report, const BootFailure& failure) {
   report.letter = failure.interrupted ? BootResult::ok : failure.letter;
   report.text = failure.text;
 }
+
+using ErrorControlStep = boost::asio::awaitable<ErrorControlOutcome> (*)(SetupSession&, std::vector<std::string>&);
 
 struct IdentityItem {
   BootResult letter = BootResult::other_device_type;
@@ -76,32 +82,14 @@ boost::asio::awaitable<Failure> set_up(Procedure& procedure, SetupItem item) {
   co_return std::move(outcome.failure);
 }
 
-/// 0x1017.
-boost::asio::awaitable<Failure> set_up_heartbeat(Procedure& procedure) {
-  const ErrorControlSettings& control = procedure.session.context().settings.error_control;
-  SetupItem producer{kProducerHeartbeat, DataType::u16,  milliseconds(control.heartbeat),
-                     "heartbeat time",   control.policy, milliseconds(control.heartbeat_timeout)};
+boost::asio::awaitable<Failure> set_up(Procedure& procedure, ErrorControlStep step) {
   const TimePoint begun = Clock::now();
-  const unsigned written = procedure.session.written();
-  Failure failure = co_await set_up(procedure, std::move(producer));
-  if (procedure.session.written() != written) {
+  ErrorControlOutcome outcome = co_await step(procedure.session, procedure.report.remarks);
+  if (outcome.heartbeat_written) {
     procedure.heartbeat_from = begun;
   }
-  co_return failure;
-}
-
-/// The same, and 0x1016 where the drive is to watch over us.
-boost::asio::awaitable<Failure> set_up_error_control(Procedure& procedure) {
-  const NodeSettings& settings = procedure.session.context().settings;
-  const ErrorControlSettings& control = settings.error_control;
-  Failure failure = co_await set_up_heartbeat(procedure);
-  if (failure || control.supervise_gateway <= Duration::zero() || settings.gateway_node == 0) {
-    co_return failure;
-  }
-  // CiA 301 §7.5.2.19: node id in bits 16..23, time in bits 0..15.
-  const Raw watched = (Raw{settings.gateway_node} << 16U) | milliseconds(control.supervise_gateway);
-  SetupItem consumer{kConsumerHeartbeat, DataType::u32, watched, "consumer heartbeat time", SetupPolicy::write};
-  co_return co_await set_up(procedure, std::move(consumer));
+  procedure.report.error_control = outcome.kind;
+  co_return std::move(outcome.failure);
 }
 
 boost::asio::awaitable<Failure> set_up_pdos(Procedure& procedure, PdoRole role, const std::vector<PdoSettings>& pdos) {
@@ -114,6 +102,7 @@ boost::asio::awaitable<Failure> set_up_pdos(Procedure& procedure, PdoRole role, 
     if (transmit && outcome.timing_confirmed) {
       procedure.report.verified_tpdos.push_back(pdo.number);
     }
+    procedure.report.remarks.insert(procedure.report.remarks.end(), outcome.remarks.begin(), outcome.remarks.end());
     if (outcome.absent) {
       procedure.report.remarks.push_back(
           std::string(transmit ? "TPDO" : "RPDO") + std::to_string(pdo.number) +
@@ -138,10 +127,12 @@ boost::asio::awaitable<Failure> await_heartbeat(const Procedure& procedure) {
   const LifeContext& context = procedure.session.context();
   Failure failure;
   const bool alive = co_await heartbeat_after(context, procedure.heartbeat_from);
+  const ErrorControlSettings& control = context.settings.error_control;
   if (context.life.over()) {
     failure = BootFailure{.interrupted = true};
+  } else if (!alive && procedure.report.error_control == ErrorControlKind::guarding) {
+    failure = BootFailure{BootResult::no_guarding, no_guarding_text(context), false};
   } else if (!alive) {
-    const ErrorControlSettings& control = context.settings.error_control;
     failure =
         BootFailure{BootResult::no_heartbeat,
                     "no heartbeat within " + std::to_string(milliseconds(control.heartbeat_timeout)) +
@@ -157,11 +148,12 @@ boost::asio::awaitable<Failure> learn_before_writing(Procedure& procedure) {
   if (failure) {
     co_return failure;
   }
-  const bool guarding_off = co_await guarding_is_off(context);
-  if (guarding_off && expects_heartbeat(context.settings) &&
-      context.settings.error_control.policy == SetupPolicy::write) {
+  const ErrorControlSettings& control = context.settings.error_control;
+  const Result<LifeGuarding> guarded = co_await read_life_guarding(context.sdo);
+  const bool guarding_off = guarded.has_value() && guarded.value().unset();
+  if (guarding_off && kind_of(control) == ErrorControlKind::heartbeat && control.policy == SetupPolicy::write) {
     procedure.session.note_half_done(false);  // Its heartbeat alone is no configuration.
-    failure = co_await set_up_heartbeat(procedure);
+    failure = co_await set_up(procedure, set_up_heartbeat);
     procedure.session.note_half_done(true);
     if (!failure) {
       failure = co_await await_heartbeat(procedure);
@@ -185,7 +177,7 @@ boost::asio::awaitable<Failure> go_through(Procedure& procedure) {
   const NodeSettings& settings = procedure.session.context().settings;
   Failure failure = co_await check_identity(procedure.session, settings.identity);
   if (!failure) {
-    failure = co_await set_up_error_control(procedure);
+    failure = co_await set_up(procedure, set_up_error_control);
   }
   if (!failure) {
     failure = co_await set_up_pdos(procedure, PdoRole::transmit, settings.tpdos);
@@ -204,9 +196,14 @@ boost::asio::awaitable<Failure> go_through(Procedure& procedure) {
 
 }  // namespace
 
-bool expects_heartbeat(const NodeSettings& settings) noexcept {
-  return settings.error_control.heartbeat > Duration::zero() &&
-         settings.error_control.heartbeat_timeout > Duration::zero();
+std::string no_guarding_text(const LifeContext& context) {
+  const auto timeout =
+      std::chrono::duration_cast<std::chrono::milliseconds>(context.settings.error_control.heartbeat_timeout);
+  const std::string within = " within " + std::to_string(timeout.count()) + " ms";
+  if (context.guarding.answered()) {
+    return "no two guarding answers with alternating toggle bits" + within + "; such answers do not count";
+  }
+  return "no guarding answer" + within;
 }
 
 boost::asio::awaitable<BootReport> inspect(LifeContext context) {
@@ -228,7 +225,7 @@ boost::asio::awaitable<BootReport> configure(LifeContext context, FoundState fou
   if (!failure) {
     failure = co_await go_through(procedure);
   }
-  if (!failure && expects_heartbeat(context.settings)) {
+  if (!failure && procedure.report.error_control != ErrorControlKind::none) {
     failure = co_await await_heartbeat(procedure);
   }
   if (failure) {

@@ -1,13 +1,11 @@
 #include "canopen/node/find_state.h"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 #include "canopen/bus/bus.h"
 #include "canopen/communication_objects.h"
-#include "canopen/node/heartbeat_consumer.h"
-#include "canopen/node/setup_session.h"
+#include "canopen/node/life_guarding.h"
+#include "canopen/node/node_guarding.h"
 #include "canopen/sdo/client.h"
 
 namespace canopen {
@@ -39,19 +37,27 @@ boost::asio::awaitable<Sign> listen(LifeContext context, Duration time, bool or_
   co_return sign_of(context.heard);
 }
 
+/// Where that is how the drive is supervised, the requests go on from here.
 boost::asio::awaitable<Sign> ask_by_guarding(LifeContext context) {
-  const bool harmless = co_await guarding_is_off(context);
-  if (!harmless || context.life.over()) {
+  const ErrorControlSettings& control = context.settings.error_control;
+  const bool goes_on = kind_of(control) == ErrorControlKind::guarding;
+  const Result<LifeGuarding> found = co_await read_life_guarding(context.sdo);
+  if (context.life.over() || found.has_error()) {
     co_return std::nullopt;
   }
-  Frame request;
-  request.id = kErrorControlBase + context.settings.node;
-  request.size = 1;
-  request.remote = true;
+  if (goes_on && may_guard(found.value(), control)) {
+    context.guarding.start();
+    co_return co_await listen(context, control.heartbeat_timeout, false);
+  }
+  if (goes_on || !found.value().unset()) {
+    context.guarding.stop();
+    co_return std::nullopt;
+  }
   context.heard.guarding_asked = true;
-  const Ticket sent = context.bus.send(TransmitClass::control, request, Clock::now() + TransmitQueue::kLifeTime);
+  context.guarding.ask();
   const Sign sign = co_await listen(context, context.settings.sdo.timeout, false);
   context.heard.guarding_asked = false;
+  context.guarding.stop();
   co_return sign;
 }
 
@@ -65,23 +71,13 @@ std::string slow_heartbeat_text(std::chrono::milliseconds period) {
 boost::asio::awaitable<bool> heartbeat_after(LifeContext context, TimePoint since) {
   const TimePoint until = Clock::now() + context.settings.error_control.heartbeat_timeout;
   while (context.bus.may_still_hear(until) && !context.life.over()) {
-    if (context.heard.heartbeat_at && *context.heard.heartbeat_at >= since) {
+    const bool told = !context.guarding.running() || context.guarding.alternates();
+    if (told && context.heard.heartbeat_at && *context.heard.heartbeat_at >= since) {
       co_return true;
     }
     co_await context.life.wait_until(or_soon(until));
   }
   co_return false;
-}
-
-boost::asio::awaitable<bool> guarding_is_off(LifeContext context) {
-  const std::array objects{std::pair{kGuardTime, DataType::u16}, std::pair{kLifeTimeFactor, DataType::u8}};
-  for (const auto& [object, type] : objects) {
-    const Result<Raw> value = co_await context.sdo.read(object, type);
-    if (value.has_value() ? value.value() != 0 : !is_absent(value.error())) {
-      co_return false;
-    }
-  }
-  co_return true;
 }
 
 boost::asio::awaitable<FoundState> find_state(LifeContext context, const std::function<void(std::string)>& tell) {
@@ -111,7 +107,7 @@ boost::asio::awaitable<FoundState> find_state(LifeContext context, const std::fu
     const bool listened = !context.heard.tpdo_at && heartbeat <= control.heartbeat_timeout;
     const Duration enough = std::max<Duration>(heartbeat + heartbeat / 2, control.heartbeat_timeout);
     sign = co_await listen(context, listened ? Duration::zero() : enough, false);
-  } else if (control.has_guarding) {
+  } else if (control.has_guarding || kind_of(control) == ErrorControlKind::guarding) {
     sign = co_await ask_by_guarding(context);
   }
   co_return sign.value_or(context.heard.tpdo_at ? FoundState::operational : FoundState::unknown);

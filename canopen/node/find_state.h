@@ -21,11 +21,9 @@ enum class FoundState : std::uint8_t {
 /// Learns the state of a node without changing it: listens for heartbeat_timeout and ends at the first sign. Without a
 /// heartbeat 0x1017 is read; where that promises one, it is waited for. Where it promises none, the node answers
 /// guarding and has no life guarding set (0x100C and 0x100D are 0: else one request would start it, CiA 301
-/// §7.2.8.2.2), one guarding request is sent. `tell`, which outlives the call, is called with a text where that takes
-/// so long that people should know.
+/// §7.2.8.2.2), one guarding request is sent; where the node is to be supervised that way, and life guarding is not set
+/// or is ours, the requests go on from then on (LifeContext::guarding). `tell`, which outlives the call, is called with
+/// a text where that takes so long that people should know.
 boost::asio::awaitable<FoundState> find_state(LifeContext context, const std::function<void(std::string)>& tell);
-
-/// Whether guard time and life time factor are both 0, or absent: the node knows no life guarding, or has none set.
-boost::asio::awaitable<bool> guarding_is_off(LifeContext context);
 
 }  // namespace canopen

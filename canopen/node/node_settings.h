@@ -64,6 +64,8 @@ struct PdoSettings {
   std::vector<MappedObject> mapping{};  ///< At most 64 bits in all.
   /// TPDO: how often it comes (event timer or n SYNCs); zero: on change. Freshness hangs on it.
   Duration period{};
+  /// What the device counts its inhibit time in (sub 3).
+  Duration inhibit_unit = std::chrono::microseconds(100);
   /// TPDO on change: two never come closer to each other (its inhibit time); zero: no such limit is known.
   Duration shortest_period{};
   friend bool operator==(const PdoSettings&, const PdoSettings&) = default;
@@ -89,14 +91,34 @@ struct ExpectedIdentity {
   friend bool operator==(const ExpectedIdentity&, const ExpectedIdentity&) = default;
 };
 
+/// How the master learns that a node lives (CiA 301 §7.2.8.2).
+enum class ErrorControlKind : std::uint8_t {
+  heartbeat,
+  guarding,  ///< It answers requests of ours.
+  none       ///< Neither, by choice: its TPDOs and SDO answers have to do.
+};
+
 struct ErrorControlSettings {
   SetupPolicy policy = SetupPolicy::write;                       ///< Of 0x1017.
   Duration heartbeat = std::chrono::milliseconds(500);           ///< Producer time written to 0x1017, whole ms.
-  Duration heartbeat_timeout = std::chrono::milliseconds(1500);  ///< Silence that means loss.
-  Duration supervise_gateway{};  ///< >0: written to 0x1016:01 with the gateway's node id; zero: 0x1016 untouched.
-  bool has_guarding = false;     ///< Answers one guarding request during takeover.
+  Duration heartbeat_timeout = std::chrono::milliseconds(1500);  ///< Silence that means loss, of whatever kind.
+  Duration guarding{};  ///< >0: period of guarding requests, whole ms; there is no heartbeat then.
+  /// >0: the node is to notice when we are gone: written to 0x1016 with the gateway's node id, with guarding as life
+  /// guarding to 0x100C and 0x100D. Zero: these are untouched.
+  Duration supervise_gateway{};
+  bool has_guarding = false;  ///< Answers one guarding request when its state is searched for.
   friend bool operator==(const ErrorControlSettings&, const ErrorControlSettings&) = default;
 };
+
+[[nodiscard]] constexpr ErrorControlKind kind_of(const ErrorControlSettings& control) noexcept {
+  if (control.heartbeat_timeout <= Duration::zero()) {
+    return ErrorControlKind::none;
+  }
+  if (control.guarding > Duration::zero()) {
+    return ErrorControlKind::guarding;
+  }
+  return control.heartbeat > Duration::zero() ? ErrorControlKind::heartbeat : ErrorControlKind::none;
+}
 
 /// A truth about the motor that one object tells: (value & mask) is one of `values`, or, with `negative`, the value as
 /// a signed number is below zero.

@@ -1,9 +1,11 @@
 #include "canopen/node/pdo_setup.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "canopen/hex.h"
+#include "canopen/node/pdo_times.h"
 
 namespace canopen {
 namespace {
@@ -13,8 +15,6 @@ constexpr std::uint16_t kTpdoCommunication = 0x1800;
 constexpr std::uint16_t kMappingOffset = 0x200;  // 0x1600 and 0x1A00.
 constexpr std::uint8_t kCobId = 1;
 constexpr std::uint8_t kTransmissionType = 2;
-constexpr std::uint8_t kInhibitTime = 3;
-constexpr std::uint8_t kEventTimer = 5;
 
 constexpr Raw kInvalid = 0x8000'0000;       // Bit 31: the PDO does not exist.
 constexpr Raw kRtrForbidden = 0x4000'0000;  // Bit 30; devices keep it as they like, it says nothing of the COB-ID.
@@ -33,6 +33,7 @@ class PdoSetup {
   PdoSetup(SetupSession& session, PdoRole role, const PdoSettings& pdo)
       : session_(session),
         pdo_(pdo),
+        role_(role),
         name_((role == PdoRole::transmit ? "TPDO" : "RPDO") + std::to_string(pdo.number)),
         communication_(static_cast<std::uint16_t>(
             (role == PdoRole::transmit ? kTpdoCommunication : kRpdoCommunication) + pdo.number - 1)),
@@ -53,6 +54,7 @@ class PdoSetup {
     }
     outcome.absent = absent_;
     outcome.timing_confirmed = timing_known_ && !outcome.failure;
+    outcome.remarks = std::move(remarks_);
     co_return outcome;
   }
 
@@ -96,14 +98,16 @@ class PdoSetup {
     timing_known_ = pdo_.transmission_type.has_value();
     for (const SetupItem& item : wanted_parameters()) {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
-      if (found.has_value() && found.value() != item.wanted) {
+      if (found.has_value() && session_.inspecting() && found.value() != item.wanted && will_do(item, found.value())) {
+        remarks_.push_back(difference_text(item, found.value()) + ", which will do");
+      } else if (found.has_value() && found.value() != item.wanted) {
         note(item.policy, item, found.value());
         parameters_.push_back(item);
       } else if (found.has_error() && is_absent(found.error())) {
-        if (item.object.sub == kEventTimer && relies_on_timer(pdo_)) {
+        if (item.object.sub == kPdoEventTimer && relies_on_timer(pdo_)) {
           co_return without_object();
         }
-        timing_known_ = timing_known_ && item.object.sub == kInhibitTime;
+        timing_known_ = timing_known_ && item.object.sub == kPdoInhibitTime;
       } else if (found.has_error()) {
         co_return session_.failure(found.error(), item.name);
       }
@@ -116,7 +120,7 @@ class PdoSetup {
     if (!relies_on_timer(pdo_)) {
       return std::nullopt;
     }
-    const ObjectAddress timer{communication_, kEventTimer};
+    const ObjectAddress timer{communication_, kPdoEventTimer};
     return BootFailure{BootResult::not_configured,
                        to_string(timer) + " " + name_ +
                            " event timer: the drive does not have it, so it would not notice that commands cease",
@@ -215,7 +219,10 @@ class PdoSetup {
         co_return session_.failure(found.error(), item.name);
       }
       const Raw ignored = item.object == ObjectAddress{communication_, kCobId} ? kRtrForbidden : 0;
-      if (((found.value() ^ item.wanted) & ~ignored) != 0) {
+      const bool differs = ((found.value() ^ item.wanted) & ~ignored) != 0;
+      if (differs && will_do(item, found.value())) {
+        remarks_.push_back(difference_text(item, found.value()) + " after it was written, which will do");
+      } else if (differs) {
         co_return session_.difference(difference_text(item, found.value()) + " after it was written");
       }
     }
@@ -232,7 +239,7 @@ class PdoSetup {
   [[nodiscard]] Items wanted_parameters() const {
     Items items;
     if (pdo_.communication == SetupPolicy::assume) {
-      items.push_back({{communication_, kEventTimer},
+      items.push_back({{communication_, kPdoEventTimer},
                        DataType::u16,
                        pdo_.event_timer.value_or(0),
                        name_ + " event timer",
@@ -245,8 +252,11 @@ class PdoSetup {
       }
     };
     add(kTransmissionType, DataType::u8, pdo_.transmission_type, " transmission type");
-    add(kInhibitTime, DataType::u16, pdo_.inhibit_time, " inhibit time");
-    add(kEventTimer, DataType::u16, pdo_.event_timer, " event timer");
+    add(kPdoInhibitTime, DataType::u16, pdo_.inhibit_time, " inhibit time");
+    add(kPdoEventTimer, DataType::u16, pdo_.event_timer, " event timer");
+    if (role_ == PdoRole::transmit && pdo_.communication == SetupPolicy::write) {
+      std::for_each(items.begin(), items.end(), [this](SetupItem& item) { allow_rounding(item, pdo_); });
+    }
     return items;
   }
   /// The number of objects first, then each.
@@ -263,6 +273,7 @@ class PdoSetup {
 
   SetupSession& session_;
   const PdoSettings& pdo_;
+  PdoRole role_;
   std::string name_;
   std::uint16_t communication_;
   std::uint16_t mapping_;
@@ -275,6 +286,7 @@ class PdoSetup {
   bool timing_known_ = false;    ///< The node has all that decides when a TPDO comes.
   bool must_not_write_ = false;  ///< Something with policy verify differs.
   std::string difference_;       ///< The first one; empty: none.
+  std::vector<std::string> remarks_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "canopen/node/node_settings.h"
 #include "canopen/node/setup_session.h"
@@ -18,14 +19,15 @@ struct PdoSetupOutcome {
   bool timing_confirmed = false;
   /// Communication or mapping object missing: the documented default is taken for granted.
   bool absent = false;
+  std::vector<std::string> remarks{};  ///< Times that differ and will do.
 };
 
 /// Makes one PDO so (CiA 301 §7.5.2.33 to §7.5.2.38), or only looks whether it is: COB-ID, transmission type, inhibit
 /// time, event timer and mapping. Writes nothing where nothing differs; else disables the PDO, writes what differs,
 /// enables it and reads back what it wrote. A mapping that may be written is compared while the PDO is disabled, for
 /// some devices clear it then. Objects that the node lacks are taken to be as documented, but for an event timer that
-/// is required (PdoSettings::event_timer_required): without it BootResult::not_configured. `pdo` and `session` outlive
-/// the call.
+/// is required (PdoSettings::event_timer_required): without it BootResult::not_configured. A time of a TPDO
+/// that may be written need not be exact (allow_rounding()). `pdo` and `session` outlive the call.
 boost::asio::awaitable<PdoSetupOutcome> set_up_pdo(SetupSession& session, PdoRole role, const PdoSettings& pdo);
 
 }  // namespace canopen

@@ -24,6 +24,15 @@ constexpr Duration kLookInterval = std::chrono::minutes(1);
 // Keeps a life that fails at once, as with a full transmit queue, from spinning.
 constexpr Duration kBreath = std::chrono::milliseconds(10);
 
+std::string why_no_error_control(const LifeContext& context, ErrorControlKind kind) {
+  if (kind == ErrorControlKind::guarding) {
+    return no_guarding_text(context);
+  }
+  return context.heard.by_guarding
+             ? "it sends no heartbeat, 0x1017:00 is 0; guarding is not supported in its place, unless guarding is set"
+             : "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
+}
+
 }  // namespace
 
 RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSettings settings, NodeEvents& events)
@@ -37,8 +46,9 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       outputs_(executor_, bus, settings_.node, settings_.rpdos,
                [this](std::uint16_t rpdo) { return events_.repetition(rpdo); }),
       watch_(
-          executor_, expects_heartbeat(settings_) ? settings_.error_control.heartbeat_timeout : Duration::zero(),
-          [this] { on_silence(); }, [this](TimePoint until) { return bus_.may_still_hear(until); }),
+          executor_, settings_.error_control.heartbeat_timeout, [this] { on_silence(); },
+          [this](TimePoint until) { return bus_.may_still_hear(until); }),
+      guarding_(executor_, bus, settings_.node, settings_.error_control.guarding),
       doubled_(executor_, bus, settings_, [this] { on_doubled(); }),
       expectation_(settings_.error_control.heartbeat_timeout),
       restart_(settings_.restart) {
@@ -77,6 +87,7 @@ boost::asio::awaitable<void> RemoteNode::stop() {
   subscriptions_.clear();
   watch_.suspend();
   doubled_.stop();
+  guarding_.stop();
   end_life();
   sdo_.close();
   withdraw_nmt(NmtGroup::all);
@@ -161,12 +172,12 @@ boost::asio::awaitable<FoundState> RemoteNode::find(Life& life) {
 boost::asio::awaitable<BootReport> RemoteNode::take_over(LifeContext context) {
   enter(Stage::inspecting);
   BootReport report = co_await inspect(context);
-  if (report.ok() && expects_heartbeat(settings_) && !heard_.heartbeat_at) {
+  const bool proven = heard_.heartbeat_at && (!guarding_.running() || guarding_.alternates());
+  if (report.ok() && report.error_control != ErrorControlKind::none && !proven) {
     const bool alive = co_await heartbeat_after(context, Clock::now());
     if (!alive) {
       report.letter = BootResult::no_error_control;
-      report.text = heard_.by_guarding ? "it sends no heartbeat, 0x1017:00 is 0; guarding is not supported in its place"
-                                       : "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
+      report.text = why_no_error_control(context, report.error_control);
     }
   }
   if (context.life.over()) {
@@ -223,6 +234,9 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
     }
   }
   if (expectation_.held_by_command()) {
+    if (without_error_control()) {
+      heard_.state = NmtState::pre_operational;  // It answers, and was not started.
+    }
     go_online(Arrival::booted);  // Configured, and held back from starting.
     co_return report;
   }
@@ -233,7 +247,7 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
   }
   if (left.has_value()) {
     settle_start_requests({});
-    if (!expects_heartbeat(settings_)) {
+    if (without_error_control()) {
       heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
       go_online(Arrival::booted);
     }
@@ -264,8 +278,9 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
 
 boost::asio::awaitable<void> RemoteNode::serve(Life& life) {
   while (!life.over()) {
-    co_await life.wait_until(std::min(restart_.at(), next_serial_read()));
+    co_await life.wait_until(std::min({restart_.at(), next_look(), next_serial_read()}));
     co_await restart_if_due(life);
+    co_await read_for_sign_of_life(life);
     co_await read_serial_if_hinted(life);
   }
 }

@@ -21,6 +21,7 @@
 #include "canopen/node/life_context.h"
 #include "canopen/node/nmt_expectation.h"
 #include "canopen/node/node_events.h"
+#include "canopen/node/node_guarding.h"
 #include "canopen/node/node_settings.h"
 #include "canopen/node/outputs.h"
 #include "canopen/node/pdo.h"
@@ -38,7 +39,8 @@ struct Received;
 /// begins again when that life is over (live(), one page). The frame handlers only record what they hear and end the
 /// life. One dead drive never delays another.
 ///
-/// Parts: remote_node.cpp the life, remote_node_heard.cpp what is heard, remote_node_asked.cpp what is asked for.
+/// Parts: remote_node.cpp the life, remote_node_heard.cpp what is heard, remote_node_alive.cpp what tells that it
+/// lives, remote_node_asked.cpp what is asked for.
 class RemoteNode {
  public:
   /// `bus` and `events` outlive the node.
@@ -148,10 +150,11 @@ class RemoteNode {
   boost::asio::awaitable<void> stay_silent(Life& life);
   boost::asio::awaitable<void> wait_for_retry(Life& life, BootReport report);
   boost::asio::awaitable<void> hold_back(Life& life, FoundState found);
+  boost::asio::awaitable<void> read_for_sign_of_life(Life& life);
   static boost::asio::awaitable<void> pause(Life& life, TimePoint until);
 
   // Its steps.
-  [[nodiscard]] LifeContext context(Life& life) { return {bus_, sdo_, settings_, heard_, half_done_, life}; }
+  [[nodiscard]] LifeContext context(Life& life) { return {bus_, sdo_, guarding_, settings_, heard_, half_done_, life}; }
   [[nodiscard]] bool to_be_held(FoundState found);
   [[nodiscard]] bool heartbeat_is_fresh() const;
   void forget_stale_signs();
@@ -168,6 +171,11 @@ class RemoteNode {
   boost::asio::awaitable<void> restart_if_due(Life& life);
   [[nodiscard]] TimePoint next_serial_read() const noexcept;
   boost::asio::awaitable<void> read_serial_if_hinted(Life& life);
+  [[nodiscard]] bool without_error_control() const noexcept {
+    return kind_of(settings_.error_control) == ErrorControlKind::none;
+  }
+  /// When a node without error control is to be read, so that it shows that it lives; kNever: not.
+  [[nodiscard]] TimePoint next_look() const;
   void note_left_by_itself(NodeStatus& status) const;
   void note_out_of_service();
   static void note_not_booted(NodeStatus& status);
@@ -180,7 +188,10 @@ class RemoteNode {
   void on_error_control(const Received& received);
   void on_boot_up(TimePoint at);
   void on_heartbeat(NmtState state, TimePoint at);
-  void on_guarding_answer(NmtState state, TimePoint at);
+  void on_single_guarding_answer(NmtState state, TimePoint at);
+  void on_guarding_answer(NmtState state, bool toggle, TimePoint at);
+  /// Of a node without error control.
+  void on_sign_of_life(TimePoint at);
   void take_state(NmtState state, StateMeaning meaning);
   [[nodiscard]] bool ends_life(NmtState state, StateMeaning meaning, bool left_operational) const;
   void tell_state(NmtState state, StateMeaning meaning);
@@ -189,6 +200,7 @@ class RemoteNode {
   void on_foreign_nmt(const Received& received);
   void on_silence();
   void on_doubled();
+  void on_silence_after_stop();
   void on_bus_state(const BusState& state);
 
   // What is asked for.
@@ -222,7 +234,8 @@ class RemoteNode {
   Event ended_;    ///< The coroutine or an operation ended.
   SdoClient sdo_;
   Outputs outputs_;
-  HeartbeatConsumer watch_;
+  HeartbeatConsumer watch_;  ///< Of whatever tells that it lives.
+  NodeGuarding guarding_;
   DoubledWatch doubled_;
   std::vector<Tpdo> tpdos_;
   std::vector<std::uint16_t> verified_tpdos_;

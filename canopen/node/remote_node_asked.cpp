@@ -237,11 +237,16 @@ void RemoteNode::withdraw_nmt(NmtGroup which) {
 void RemoteNode::on_nmt_left(NmtCommand command) {
   switch (command) {
     case NmtCommand::start:
+      heard_.stopped_by_us = false;
       change_status([](NodeStatus& status) { status.commanded.reset(); });
       break;
     case NmtCommand::stop:
     case NmtCommand::pre_operational:
       heard_.tpdo_at.reset();
+      if (command == NmtCommand::pre_operational && std::exchange(heard_.stopped_by_us, false)) {
+        heard_.state.reset();
+        end_life();  // Made pre-operational it answers again.
+      }
       withdraw_commands();
       change_status([command](NodeStatus& status) {
         if (status.nmt != NmtState::unknown) {
@@ -261,6 +266,8 @@ void RemoteNode::on_nmt_left(NmtCommand command) {
       restart_.begin_anew();
       self_start_due_ = true;
       watch_.suspend();
+      guarding_.stop();
+      guarding_.begin_anew();
       end_life();
       change_status([](NodeStatus& status) {
         note_not_booted(status);

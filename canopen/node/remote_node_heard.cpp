@@ -1,4 +1,4 @@
-// What a node is heard to say: error control, TPDOs, emergencies; and what its bus tells. Handlers run inside the
+// What a node is heard to say: its state, TPDOs, emergencies; and what its bus tells. Handlers run inside the
 // dispatch of a frame and never wait: they record, and end the life where it cannot go on.
 
 #include <array>
@@ -7,6 +7,7 @@
 #include "canopen/bus/bus.h"
 #include "canopen/node/emcy.h"
 #include "canopen/node/remote_node.h"
+#include "canopen/sdo/frames.h"
 
 namespace canopen {
 namespace {
@@ -29,68 +30,15 @@ void RemoteNode::subscribe() {
   }
   doubled_.start();
   subscriptions_.push_back(bus_.subscribe_state([this](const BusState& state) { on_bus_state(state); }));
+  if (without_error_control()) {
+    subscriptions_.push_back(
+        bus_.subscribe(kSdoAnswerBase + node, [this](const Received& received) { on_sign_of_life(received.at); }));
+  }
   subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) {
+    guarding_.forget();
     watch_.frames_lost(Clock::now());
     events_.on_frames_lost();
   }));
-}
-
-void RemoteNode::on_error_control(const Received& received) {
-  const std::optional<HeartbeatMessage> message = decode_heartbeat(received.frame.bytes());
-  if (!message) {
-    return;
-  }
-  if (message->boot_up) {
-    on_boot_up(received.at);
-  } else if (heard_.guarding_asked) {
-    on_guarding_answer(message->state, received.at);
-  } else {
-    on_heartbeat(message->state, received.at);
-  }
-}
-
-void RemoteNode::on_boot_up(TimePoint at) {
-  heard_ = Heard{.boot_up = true};
-  expectation_.begin_anew();
-  restart_.begin_anew();
-  hold_reason_.clear();
-  half_done_.clear();
-  self_start_due_ = true;
-  watch_.suspend();
-  end_life();
-  change_status([at](NodeStatus& status) {
-    note_not_booted(status);
-    status.set_nmt(NmtState::initialising);
-    status.last_heartbeat = at;
-    status.lost = false;
-    ++status.boot_ups;
-  });
-  events_.on_boot_up();
-}
-
-void RemoteNode::on_heartbeat(NmtState state, TimePoint at) {
-  status_.last_heartbeat = at;
-  const StateMeaning meaning = expectation_.hear(state, at);
-  if (meaning == StateMeaning::from_before) {
-    return;
-  }
-  heard_.heartbeat_at = at;
-  heard_.by_guarding = false;
-  watch_.alive(at);
-  if (status_.lost) {
-    change_status([](NodeStatus& status) { status.lost = false; });
-    if (stage_ != Stage::configuring && stage_ != Stage::starting) {
-      watch_.watch(at);
-    }
-  }
-  take_state(state, meaning);
-}
-
-void RemoteNode::on_guarding_answer(NmtState state, TimePoint at) {
-  heard_.guarding_asked = false;
-  heard_.by_guarding = true;
-  status_.last_heartbeat = at;
-  take_state(state, expectation_.hear(state, at));
 }
 
 void RemoteNode::take_state(NmtState state, StateMeaning meaning) {
@@ -165,7 +113,10 @@ void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
     return;
   }
   heard_.tpdo_at = received.at;
-  const bool nothing_else_tells = !expects_heartbeat(settings_) && !heard_.heartbeat_at;
+  if (without_error_control()) {
+    on_sign_of_life(received.at);
+  }
+  const bool nothing_else_tells = without_error_control() && !heard_.heartbeat_at;
   if (stage_ == Stage::starting || (stage_ == Stage::configuring && nothing_else_tells)) {
     // Whoever sends TPDOs is operational (CiA 301 table 37).
     take_state(NmtState::operational, expectation_.hear(NmtState::operational, received.at));
@@ -209,34 +160,6 @@ void RemoteNode::on_foreign_nmt(const Received& received) {
   }
 }
 
-void RemoteNode::on_silence() {
-  const bool was_heard = heard_.heartbeat_at.has_value();
-  if (bus_.state().up()) {
-    // It may have rebooted unseen. Where nobody can hear it, what holds it goes on.
-    expectation_.begin_anew();
-    restart_.end();
-  }
-  half_done_.clear();
-  if (stage_ != Stage::searching) {
-    // A search goes on: it asks the node at its end.
-    heard_ = Heard{};
-    end_life();
-  }
-  change_status([was_heard](NodeStatus& status) {
-    status.online = false;
-    status.configured = false;
-    status.set_nmt(NmtState::unknown);
-    status.lost = true;
-    if (was_heard) {
-      ++status.heartbeat_losses;
-    }
-    // A letter stays until the drive is found silent: it may well answer, only without a heartbeat.
-    if (status.boot_result == BootResult::ok) {
-      status.boot_result = BootResult::not_booted;
-    }
-  });
-}
-
 void RemoteNode::on_doubled() {
   if (doubled_.verdict() == Doubled::proof) {
     withdraw_commands();
@@ -250,6 +173,8 @@ void RemoteNode::on_doubled() {
 
 void RemoteNode::on_bus_state(const BusState& state) {
   if (!state.up()) {
+    guarding_.stop();
+    guarding_.forget();
     heard_ = Heard{};
     half_done_.clear();
     expectation_.begin_boot();  // It may reboot unseen.

@@ -15,6 +15,8 @@ namespace {
 
 // On hints of a second node; its answers cost the bus next to nothing.
 constexpr Duration kSerialPause = std::chrono::seconds(10);
+/// So that two answers may be late or missing.
+constexpr int kLooksPerTimeout = 3;
 
 }  // namespace
 
@@ -32,8 +34,14 @@ void RemoteNode::enter(Stage stage) {
   const TimePoint now = Clock::now();
   switch (stage) {
     case Stage::searching:
+      if (without_error_control()) {
+        watch_.suspend();  // It is only listened to now, and asked at the end.
+      }
       break;
     case Stage::silent:
+      guarding_.stop();
+      watch_.suspend();
+      break;
     case Stage::configuring:  // Its heartbeat may only be switched on in the course of it.
     case Stage::starting:
       watch_.suspend();
@@ -75,7 +83,7 @@ bool RemoteNode::heartbeat_is_fresh() const {
 
 void RemoteNode::forget_stale_signs() {
   const TimePoint oldest = Clock::now() - settings_.error_control.heartbeat_timeout;
-  if (!heartbeat_is_fresh()) {
+  if (!heartbeat_is_fresh() && !heard_.stopped_by_us) {
     heard_.state.reset();
     heard_.heartbeat_at.reset();
     heard_.by_guarding = false;
@@ -134,6 +142,7 @@ boost::asio::awaitable<bool> RemoteNode::make_pre_operational(const LifeContext&
   self_start_due_ = false;
   expectation_.interrupt_for_boot(Clock::now());
   heard_.state.reset();
+  heard_.stopped_by_us = false;
   heard_.tpdo_at.reset();
   co_return true;
 }
@@ -189,6 +198,24 @@ boost::asio::awaitable<void> RemoteNode::restart_if_due(Life& life) {
     restarting_ = true;
     note_out_of_service();
     end_life();
+  }
+}
+
+TimePoint RemoteNode::next_look() const {
+  if (!without_error_control() || status_.nmt_now() == NmtState::stopped) {
+    return kNever;  // A stopped node answers nothing.
+  }
+  return status_.last_heartbeat.value_or(TimePoint{}) + settings_.error_control.heartbeat_timeout / kLooksPerTimeout;
+}
+
+/// Any answer will do, an abort too: on_sign_of_life() hears it.
+boost::asio::awaitable<void> RemoteNode::read_for_sign_of_life(Life& life) {
+  if (life.over() || Clock::now() < next_look()) {
+    co_return;
+  }
+  const Result<Raw> answer = co_await sdo_.probe(kDeviceType, DataType::u32);
+  if (answer.has_error() && !life.over()) {
+    co_await pause(life, Clock::now() + settings_.error_control.heartbeat_timeout / kLooksPerTimeout);
   }
 }
 

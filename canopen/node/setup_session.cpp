@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "canopen/communication_objects.h"
 #include "canopen/hex.h"
+#include "canopen/node/pdo_times.h"
 #include "canopen/sdo/client.h"
 
 namespace canopen {
@@ -10,12 +12,51 @@ namespace {
 
 constexpr std::uint32_t kWriteOnly = 0x06010001;
 
+// Aborts that say: length of service parameter does not match, is too high, is too low.
+bool refuses_length(const Error& error) noexcept {
+  return error.kind == ErrorKind::refused &&
+         (error.abort == 0x06070010 || error.abort == 0x06070012 || error.abort == 0x06070013);
+}
+
+/// Heartbeat time; inhibit time and event timer of a PDO.
+bool is_time(ObjectAddress object) noexcept {
+  const unsigned area = object.index & 0xFE00U;
+  const bool of_pdo =
+      (area == 0x1400 || area == 0x1800) && (object.sub == kPdoInhibitTime || object.sub == kPdoEventTimer);
+  return of_pdo || object == kProducerHeartbeat;
+}
+
+/// The unsigned number of so many bytes; of 3, of none: nothing.
+std::optional<DataType> unsigned_of(std::size_t bytes) noexcept {
+  switch (bytes) {
+    case 1:
+      return DataType::u8;
+    case 2:
+      return DataType::u16;
+    case 4:
+      return DataType::u32;
+    default:
+      return std::nullopt;
+  }
+}
+
 // Identifiers and mapping entries are read in hexadecimal, times and counts in decimal.
 std::string value_text(DataType type, Raw raw) {
   if (type == DataType::u32) {
     return "0x" + hex(raw, 1);
   }
   return is_signed(type) ? std::to_string(static_cast<std::int64_t>(raw)) : std::to_string(raw);
+}
+
+// They are u16 whatever the width: some nodes leave more bytes undefined.
+constexpr Raw kTimeMask = 0xFFFF;
+
+Error wrong_width(ObjectAddress object, std::size_t bytes) {
+  Error error;
+  error.kind = ErrorKind::protocol;
+  error.object = object;
+  error.detail = "answer has " + std::to_string(bytes) + " bytes, a time has 2";
+  return error;
 }
 
 Error interruption() {
@@ -35,9 +76,27 @@ boost::asio::awaitable<Result<Raw>> SetupSession::read(ObjectAddress object, Dat
   if (context_.life.over()) {
     co_return interruption();
   }
-  const Result<Raw> result = co_await context_.sdo.read(object, type);
-  answered_ = answered_ || result.has_value() || result.error().kind != ErrorKind::timeout;
-  co_return result;
+  if (!is_time(object)) {
+    const Result<Raw> result = co_await context_.sdo.read(object, type);
+    answered_ = answered_ || result.has_value() || result.error().kind != ErrorKind::timeout;
+    co_return result;
+  }
+  const Result<std::vector<std::uint8_t>> bytes = co_await context_.sdo.read_bytes(object, byte_length(type));
+  answered_ = answered_ || bytes.has_value() || bytes.error().kind != ErrorKind::timeout;
+  if (bytes.has_error()) {
+    co_return bytes.error();
+  }
+  const std::optional<DataType> width = unsigned_of(bytes.value().size());
+  if (!width) {
+    co_return wrong_width(object, bytes.value().size());
+  }
+  widths_.insert_or_assign(object, *width);
+  co_return decode_raw(*width, bytes.value()).value_or(0) & kTimeMask;
+}
+
+DataType SetupSession::width_of(ObjectAddress object, DataType type) const {
+  const auto found = widths_.find(object);
+  return found == widths_.end() ? type : found->second;
 }
 
 boost::asio::awaitable<Result<void>> SetupSession::write(ObjectAddress object, DataType type, Raw raw) {
@@ -48,7 +107,12 @@ boost::asio::awaitable<Result<void>> SetupSession::write(ObjectAddress object, D
   if (half_done_noted_) {
     context_.half_done = std::to_string(written_) + " objects were written, the last " + to_string(object);
   }
-  co_return co_await context_.sdo.write(object, type, raw);
+  const DataType width = width_of(object, type);
+  Result<void> written = co_await context_.sdo.write(object, width, raw);
+  if (written.has_error() && width != type && refuses_length(written.error()) && !context_.life.over()) {
+    written = co_await context_.sdo.write(object, type, raw);
+  }
+  co_return written;
 }
 
 boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
@@ -63,7 +127,8 @@ boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
     if (outcome.confirmed) {
       co_return outcome;
     }
-    if (inspecting() && found.value() != 0 && found.value() < item.tolerated_below) {
+    if (inspecting() && will_do(item, found.value())) {
+      outcome.will_do = true;
       outcome.remark = difference_text(item, found.value()) + ", which will do";
       co_return outcome;
     }
@@ -101,6 +166,10 @@ boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool 
   const Result<Raw> back = co_await read(item.object, item.type);
   if (back.has_error()) {
     outcome.failure = failure(back.error(), item.name);
+  } else if (back.value() != item.wanted && will_do(item, back.value())) {
+    outcome.will_do = true;
+    outcome.remark = difference_text(item, back.value()) + " after it was written, which will do";
+    co_return outcome;
   } else if (back.value() != item.wanted) {
     outcome.failure = difference(difference_text(item, back.value()) + " after it was written");
   }

@@ -2,6 +2,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,13 +35,21 @@ struct SetupItem {
   Raw wanted = 0;
   std::string name;  ///< For people, as in "heartbeat time".
   SetupPolicy policy = SetupPolicy::write;
-  Raw tolerated_below = 0;  ///< While inspecting any value but 0 that is below will do, with a remark.
+  /// Another value from `least` to `most` will do, with a remark: while inspecting, and after `wanted` was written, for
+  /// some drives round or clamp. `most` 0: none.
+  Raw least = 0;
+  Raw most = 0;
 };
+
+[[nodiscard]] constexpr bool will_do(const SetupItem& item, Raw found) noexcept {
+  return item.most != 0 && found >= item.least && found <= item.most;
+}
 
 struct SetupOutcome {
   std::optional<BootFailure> failure;
   bool confirmed = false;  ///< The node showed this value; false where it has no such object or was not asked.
   bool absent = false;     ///< The node has no such object.
+  bool will_do = false;    ///< It has another value, which will do.
   std::string remark;      ///< For the log; empty: none.
 };
 
@@ -49,6 +58,9 @@ struct SetupOutcome {
 
 /// The SDO transfers of one configuration or inspection. Once the life is over every further transfer fails, so that no
 /// half-done procedure goes on with a node that rebooted in between.
+///
+/// Some nodes hold the times of the heartbeat and of PDOs in another width than CiA 301 says. They are written in the
+/// width in which they were read, and where the node refuses that length, in their own.
 class SetupSession {
  public:
   SetupSession(LifeContext context, SetupPurpose purpose) : context_(context), purpose_(purpose) {}
@@ -73,12 +85,14 @@ class SetupSession {
 
  private:
   boost::asio::awaitable<SetupOutcome> correct(SetupItem item, bool readable);
+  [[nodiscard]] DataType width_of(ObjectAddress object, DataType type) const;
 
   LifeContext context_;
   SetupPurpose purpose_;
   unsigned written_ = 0;
   bool half_done_noted_ = true;
   bool answered_ = false;
+  std::map<ObjectAddress, DataType> widths_;  ///< Of times that the node showed in another width than theirs.
 };
 
 }  // namespace canopen

@@ -50,25 +50,63 @@ std::optional<std::size_t> bus_of(const DriveDraft& draft) {
   return static_cast<std::size_t>(found - buses.begin());
 }
 
-void check_heartbeat(DriveDraft& draft) {
-  const canopen::ErrorControlSettings& control = draft.keys.error_control;
-  const auto* const key = draft.site.find("heartbeat_timeout") != nullptr ? "heartbeat_timeout" : "heartbeat";
-  if (control.heartbeat_timeout <= control.heartbeat) {
+/// Where only guarding is stated, there is no heartbeat: the two exclude each other.
+void take_error_control(DriveDraft& draft) {
+  canopen::ErrorControlSettings& control = draft.drive.node.error_control;
+  control = draft.keys.error_control;
+  if (control.guarding == Duration::zero()) {
+    return;
+  }
+  if (draft.site.find("heartbeat") == nullptr) {
+    control.heartbeat = Duration::zero();
+  } else if (control.heartbeat != Duration::zero()) {
+    draft.error(place_of(draft.site, "guarding"), "guarding " + quoted(control.guarding) + " and heartbeat " +
+                                                      quoted(control.heartbeat) +
+                                                      " exclude each other; leave one of them out");
+  }
+}
+
+void check_timeout(DriveDraft& draft) {
+  const canopen::ErrorControlSettings& control = draft.drive.node.error_control;
+  const bool guarded = control.guarding != Duration::zero();
+  const std::string period_name = guarded ? "guarding" : "heartbeat";
+  const Duration period = guarded ? control.guarding : control.heartbeat;
+  const std::string key = draft.site.find("heartbeat_timeout") != nullptr ? "heartbeat_timeout" : period_name;
+  if (period == Duration::zero()) {
+    return;
+  }
+  if (control.heartbeat_timeout <= period) {
     draft.error(place_of(draft.site, key), "heartbeat_timeout " + quoted(control.heartbeat_timeout) +
-                                               " must be longer than heartbeat " + quoted(control.heartbeat) +
+                                               " must be longer than " + period_name + " " + quoted(period) +
                                                "; three times it is usual");
-  } else if (control.heartbeat_timeout < 2 * control.heartbeat) {
+  } else if (control.heartbeat_timeout < 2 * period) {
     draft.warning(place_of(draft.site, key), "heartbeat_timeout " + quoted(control.heartbeat_timeout) +
-                                                 " is below twice the heartbeat " + quoted(control.heartbeat) +
+                                                 " is below twice the " + period_name + " " + quoted(period) +
                                                  ", so one late frame is a loss; three times it is usual");
   }
 }
 
-void check_supervision(DriveDraft& draft) {
-  const Duration limit = draft.keys.error_control.supervise_gateway;
-  if (limit == Duration::zero()) {
-    return;
+/// The drive trips without our requests.
+void check_life_guarding(DriveDraft& draft) {
+  constexpr int kLongestFactor = 255;  // 0x100D has 8 bits.
+  const canopen::ErrorControlSettings& control = draft.drive.node.error_control;
+  const Place place = place_of(draft.site, "supervise_gateway");
+  const auto says = [&control](const std::string& relation) {
+    return "supervise_gateway " + quoted(control.supervise_gateway) + " " + relation + " guarding " +
+           quoted(control.guarding);
+  };
+  if (control.supervise_gateway <= control.guarding) {
+    draft.error(place, says("must be longer than"));
+  } else if (control.supervise_gateway > kLongestFactor * control.guarding) {
+    draft.error(place, says("is more than 255 times") + ", which a drive cannot count; set a longer guarding");
+  } else if (control.supervise_gateway < 2 * control.guarding) {
+    draft.warning(place, says("is below twice") + ", so one late request trips the drive; three times it is usual");
   }
+}
+
+/// It trips without our heartbeat.
+void check_consumer(DriveDraft& draft) {
+  const Duration limit = draft.drive.node.error_control.supervise_gateway;
   const Place place = place_of(draft.site, "supervise_gateway");
   const std::string bus = "bus \"" + draft.bus.name + "\"";
   if (draft.bus.node_id == 0) {
@@ -82,6 +120,18 @@ void check_supervision(DriveDraft& draft) {
     draft.warning(place, "supervise_gateway " + quoted(limit) + " is below twice the heartbeat " +
                              quoted(draft.bus.heartbeat) + " of " + bus +
                              ", so one late frame trips the drive; three times it is usual");
+  }
+}
+
+void check_supervision(DriveDraft& draft) {
+  const canopen::ErrorControlSettings& control = draft.drive.node.error_control;
+  if (control.supervise_gateway == Duration::zero()) {
+    return;
+  }
+  if (control.guarding != Duration::zero()) {
+    check_life_guarding(draft);
+  } else if (draft.drive.bus < draft.model.buses.size()) {
+    check_consumer(draft);
   }
 }
 
@@ -110,7 +160,6 @@ void take_own_keys(DriveDraft& draft) {
   // An id out of range has its finding; 0 keeps it out of what is worked out from it.
   drive.node.node = keys.node;
   drive.node.gateway_node = draft.bus.node_id;
-  drive.node.error_control = keys.error_control;
   drive.node.reconfigure_running = keys.reconfigure_running;
   drive.node.restart = keys.restart;
   drive.on_stale = keys.on_stale.value_or(draft.model.modbus.has_value() ? draft.model.modbus->on_stale : OnStale());
@@ -120,10 +169,9 @@ void take_own_keys(DriveDraft& draft) {
   if (std::find(kReserved.begin(), kReserved.end(), keys.name) != kReserved.end()) {
     draft.error(place_of(draft.site, "name"), "the name is that of a fixed topic; choose another");
   }
-  check_heartbeat(draft);
-  if (drive.bus < draft.model.buses.size()) {
-    check_supervision(draft);
-  }
+  take_error_control(draft);
+  check_timeout(draft);
+  check_supervision(draft);
 }
 
 Drive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library, Report& report) {

@@ -106,18 +106,21 @@ const SectionOf<DriveKeys>& drive_section() {
            "Its base address on `modbus.flat_unit`: 0..899 of its own unit stand there, its diagnostics at base + 900.")
            .unset("none"),
        Field("heartbeat", time(&ErrorControlSettings::heartbeat),
-             duration({.min = milliseconds(1),
-                       .max = kLongest16,
-                       .whole_ms = true,
-                       .without = "; a drive without heartbeat is not supported by this version"}),
-             "Heartbeat period written to the drive (0x1017), whole milliseconds."),
+             duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
+             "Heartbeat period written to the drive (0x1017), whole milliseconds; `0s`, or `guarding` alone: none."),
        Field("heartbeat_timeout", time(&ErrorControlSettings::heartbeat_timeout),
              duration({.min = milliseconds(2), .max = minutes(10)}),
-             "Silence that means the drive is lost; longer than `heartbeat`."),
-       Field::later("guarding", "duration", "0s", "Period of node guarding, for drives without heartbeat."),
+             "Silence that means the drive is lost; longer than `heartbeat` or `guarding`. Without either: no TPDO and "
+             "no "
+             "SDO answer for so long; it is read that often."),
+       Field("guarding", time(&ErrorControlSettings::guarding),
+             duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
+             "Period of node guarding, whole milliseconds, for drives without heartbeat; `0s`: none."),
        Field("supervise_gateway", time(&ErrorControlSettings::supervise_gateway),
              duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
-             "The drive trips when the gateway's heartbeat is missing this long (0x1016); `0s`: it does not."),
+             "The drive trips when the gateway's heartbeat is missing this long (0x1016), or its guarding requests "
+             "(0x100C, "
+             "0x100D); `0s`: it does not."),
        Field("restart", &DriveKeys::restart, boolean(),
              "`true`: a drive that left operational by itself is configured and started again after 5 s, then 10 s, up "
              "to 60 s; not where its motor runs or its `control_command` is no `stop`, as read by SDO."),

@@ -41,19 +41,33 @@ void take_setup(DriveDraft& draft) {
   }
 }
 
+void take_error_control(DriveDraft& draft) {
+  const ErrorControlKeys& said = draft.said.error_control;
+  canopen::ErrorControlSettings& control = draft.drive.node.error_control;
+  const std::string profile = "profile \"" + draft.drive.profile + "\" ";
+  control.policy = said.policy;
+  control.has_guarding = said.guarding;
+  if (control.guarding != canopen::Duration::zero()) {
+    if (!said.guarding) {
+      draft.error(place_of(draft.site, "guarding"),
+                  profile +
+                      "does not answer node guarding; leave guarding out, or, where the drive has it, set "
+                      "error_control.guarding = true");
+    }
+  } else if (control.supervise_gateway != canopen::Duration::zero() && !said.consumer) {
+    draft.error(place_of(draft.site, "supervise_gateway"),
+                profile +
+                    "cannot supervise the gateway (no 0x1016); leave supervise_gateway out, or, where the drive "
+                    "has the object, set error_control.consumer = true");
+  }
+}
+
 }  // namespace
 
 void take_node_settings(DriveDraft& draft) {
   const OverlayKeys& said = draft.said;
   canopen::NodeSettings& node = draft.drive.node;
-  node.error_control.policy = said.error_control.policy;
-  node.error_control.has_guarding = said.error_control.guarding;
-  if (node.error_control.supervise_gateway != canopen::Duration::zero() && !said.error_control.consumer) {
-    draft.error(place_of(draft.site, "supervise_gateway"),
-                "profile \"" + draft.drive.profile +
-                    "\" cannot supervise the gateway (no 0x1016); leave supervise_gateway out, or, where the drive "
-                    "has the object, set error_control.consumer = true");
-  }
+  take_error_control(draft);
   node.sdo = said.sdo;
   node.emcy = said.emcy.settings;
   node.identity = said.identity;

@@ -92,8 +92,9 @@ const SectionOf<ErrorControlKeys>& error_control_section() {
       {Field("policy", &ErrorControlKeys::policy, policy(), "Of the heartbeat period, 0x1017."),
        Field("consumer", &ErrorControlKeys::consumer, boolean(), "It can supervise the gateway's heartbeat (0x1016)."),
        Field("guarding", &ErrorControlKeys::guarding, boolean(),
-             "It answers node guarding; asked once for its state, when found without a heartbeat. Guarding does not "
-             "supervise it.")});
+             "It answers node guarding; asked once for its state, when found without a heartbeat. What `guarding` of a "
+             "drive "
+             "needs.")});
   return section;
 }
 

@@ -36,6 +36,7 @@ class PdoTaker {
   PdoDraft take() {
     take_cob_id();
     pdo_.inhibit_time = counted("inhibit_time", keys_.inhibit_time, draft_.said.inhibit_unit);
+    pdo_.inhibit_unit = draft_.said.inhibit_unit;
     pdo_.event_timer = counted("event_timer", keys_.event_timer, milliseconds(1));
     take_map();
     take_type();

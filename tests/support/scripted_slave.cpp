@@ -58,6 +58,7 @@ std::uint64_t ScriptedSlave::value(ObjectAddress object) const {
 
 void ScriptedSlave::boot_up() {
   state_ = 127;
+  toggle_ = 0;
   send(0x700U + node_, {0});
   next_heartbeat_ = {};
 }
@@ -103,7 +104,8 @@ void ScriptedSlave::on_frames(std::span<const canopen::Received> frames) {
     }
     heard_.push_back(frame);
     if (frame.remote && frame.id == 0x700U + node_ && guarding_) {
-      send(frame.id, {state_});
+      send(frame.id, {static_cast<std::uint8_t>(state_ | toggle_)});
+      toggle_ ^= toggles_ ? 0x80U : 0U;
     } else if (frame.id == 0x600U + node_ && !sdo_muted_) {
       on_sdo(Bytes(frame.data.begin(), frame.data.begin() + frame.size));
     } else if (frame.id == 0 && frame.size == 2 && (frame.data[1] == 0 || frame.data[1] == node_)) {

@@ -59,6 +59,8 @@ class ScriptedSlave final : private canopen::LinkEvents {
   void unplug(bool unplugged) { unplugged_ = unplugged; }
   void heartbeat_off(bool off) { heartbeat_off_ = off; }
   void answer_guarding(bool answer) { guarding_ = answer; }
+  /// Whether the toggle bit of guarding answers alternates (CiA 301 §7.2.8.2.2.1), or stands still from now on.
+  void toggle(bool toggles) { toggles_ = toggles; }
 
   void send(std::uint32_t cob_id, Bytes bytes);
 
@@ -115,6 +117,8 @@ class ScriptedSlave final : private canopen::LinkEvents {
   bool unplugged_ = false;
   bool heartbeat_off_ = false;
   bool guarding_ = false;
+  bool toggles_ = true;
+  std::uint8_t toggle_ = 0;
 };
 
 }  // namespace support

@@ -45,6 +45,7 @@ TEST(ReasonTest, OfABootAlarm) {
       {BootResult::not_configured, HeldBack::left_operational, "why", "left-operational"},
       {BootResult::not_configured, HeldBack::found_stopped, "why", "found-stopped"},
       {BootResult::no_heartbeat, HeldBack::no, "", "no-heartbeat"},
+      {BootResult::no_guarding, HeldBack::no, "", "no-guarding"},
       {BootResult::left_alone, HeldBack::no, "", "left-alone"},
       {BootResult::other_product, HeldBack::no, "", "other-product"},
       {BootResult::other_revision, HeldBack::no, "", "other-revision"},

@@ -95,10 +95,10 @@ TEST_F(BootTest, HeartbeatTimeIsWrittenAndReadBack) {
 
 TEST_F(BootTest, IgnoredWriteIsLetterJ) {
   install(bench_settings());
-  slave_.set(kHeartbeatTime, DataType::u16, 1000);
+  slave_.set(kHeartbeatTime, DataType::u16, 1500);  // A shorter one would do.
   slave_.ignore_write(kHeartbeatTime);
   boot(bench_settings());
-  expect_letter(BootResult::not_configured, "0x1017:00 heartbeat time: expected 500, found 1000 after it was written");
+  expect_letter(BootResult::not_configured, "0x1017:00 heartbeat time: expected 500, found 1500 after it was written");
 }
 
 TEST_F(BootTest, RefusedWriteIsLetterJ) {
@@ -173,7 +173,7 @@ TEST_F(BootTest, DriveThatIgnoresStartIsNotOnline) {
 TEST_F(BootTest, FailedBootIsTriedAgainAfterAPause) {
   install(bench_settings());
   slave_.set(kHeartbeatTime, DataType::u16, 1000);
-  slave_.ignore_write(kHeartbeatTime);
+  slave_.refuse_write(kHeartbeatTime, 0x08000000);
   boot(bench_settings());
   expect_letter(BootResult::not_configured, "0x1017:00");
   slave_.set(kHeartbeatTime, DataType::u16, 500);

@@ -102,6 +102,12 @@ TEST(BusLoadForecast, CountsHeartbeats) {
   expect_bits(model, 4 * kUsual1, 4 * kWorst1);
 }
 
+TEST(BusLoadForecast, CountsGuardingRequestsAndTheirAnswers) {
+  Model model = silent_model();
+  model.drives[0].node.error_control.guarding = 250ms;
+  expect_bits(model, 4 * (kUsual0 + kUsual1), 4 * (kWorst0 + kWorst1));
+}
+
 TEST(BusLoadForecast, CountsSyncEvenOfAGatewayWithoutANodeId) {
   Model model = silent_model();
   model.buses[0].sync = 100ms;

@@ -103,7 +103,30 @@ TEST(HeartbeatTimes, MustFitEachOther) {
                         "\"1500ms\""));
   EXPECT_THAT(error_of(kBus + drive("a", 1, "heartbeat_timeout = \"500ms\"\n")), HasSubstr("must be longer"));
   EXPECT_THAT(error_of(kBus + drive("a", 1, "heartbeat = \"1500us\"\n")), HasSubstr("must be whole milliseconds"));
-  EXPECT_THAT(error_of(kBus + drive("a", 1, "heartbeat = \"0s\"\n")), HasSubstr("out of range 1ms..65535ms"));
+  EXPECT_THAT(error_of(kBus + drive("a", 1, "heartbeat = \"66s\"\n")), HasSubstr("out of range 0s..65535ms"));
+}
+
+TEST(ErrorControl, IsOneOfThree) {
+  const auto control_of = [](const std::string& keys) {
+    const Loaded loaded = load_site(kBus + drive("a", 1, "error_control = { guarding = true }\n" + keys));
+    EXPECT_TRUE(loaded.model.has_value()) << keys << lines(loaded.findings);
+    return loaded.model ? loaded.model->drives[0].node.error_control : canopen::ErrorControlSettings();
+  };
+  using Kind = canopen::ErrorControlKind;
+  EXPECT_EQ(canopen::kind_of(control_of("")), Kind::heartbeat);
+  EXPECT_EQ(canopen::kind_of(control_of("heartbeat = \"0s\"\n")), Kind::none);
+  EXPECT_EQ(canopen::kind_of(control_of("heartbeat = \"0s\"\nguarding = \"400ms\"\n")), Kind::guarding);
+  const canopen::ErrorControlSettings alone = control_of("guarding = \"400ms\"\n");
+  EXPECT_EQ(canopen::kind_of(alone), Kind::guarding);
+  EXPECT_EQ(alone.heartbeat, canopen::Duration::zero());
+  EXPECT_EQ(alone.guarding, milliseconds(400));
+}
+
+TEST(SupervisionOfTheGateway, ByLifeGuardingNeedsNoHeartbeatOfTheGateway) {
+  const std::string guarded = "error_control = { guarding = true }\nguarding = \"500ms\"\nsupervise_gateway = ";
+  EXPECT_TRUE(load_site(kBus + "node_id = 0\n" + drive("a", 1, guarded + "\"1s\"\n")).model.has_value());
+  EXPECT_THAT(error_of(kBus + drive("a", 1, guarded + "\"500ms\"\n")),
+              HasSubstr("supervise_gateway \"500ms\" must be longer than guarding \"500ms\""));
 }
 
 TEST(SupervisionOfTheGateway, NeedsAHeartbeatThatIsFasterAndADriveThatListens) {

@@ -54,6 +54,34 @@ TEST_P(Guarded, MissesItsMasterAfterTheLifeTime) {
   EXPECT_EQ(bench.drive().state(), NmtState::pre_operational);
 }
 
+TEST_P(Guarded, TheToggleBitCanStandStill) {
+  OneDrive bench(GetParam(), kGuarded);
+  bench.drive().misbehaviour().toggle_stuck = true;
+  for (int i = 0; i < 3; ++i) {
+    bench.remote_request(kStatus);
+    EXPECT_EQ(bench.take(kStatus), std::vector{frame(kStatus, {0x7F})});
+  }
+  bench.drive().misbehaviour().toggle_stuck = false;
+  bench.remote_request(kStatus);
+  EXPECT_EQ(bench.take(kStatus), std::vector{frame(kStatus, {0xFF})}) << "it went on counting";
+}
+
+TEST_P(Guarded, LifeGuardingCanBeStored) {
+  DriveOptions options;
+  options.guard_ms = 100;
+  options.life_factor = 3;
+  OneDrive bench(GetParam(), kGuarded, options);
+  EXPECT_EQ(bench.read(kGuarded, 0x100C, 0), 100U);
+  EXPECT_EQ(bench.read(kGuarded, 0x100D, 0), 3U);
+  bench.advance(seconds(2));
+  EXPECT_TRUE(bench.take(kEmergency).empty());
+  bench.remote_request(kStatus);
+  bench.advance(milliseconds(300));
+  const auto emergencies = bench.take(kEmergency);
+  ASSERT_FALSE(emergencies.empty());
+  EXPECT_EQ(word_at(emergencies[0], 0), 0x8130);
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, Guarded, ::testing::Values("invt-goodrive600", "vacon-opte6", "cia402-velocity"));
 
 TEST(Unguarded, VeichiKnowsNoGuarding) {

@@ -1,0 +1,175 @@
+#include "canopen/node/error_control_setup.h"
+
+#include <utility>
+
+#include "canopen/communication_objects.h"
+#include "canopen/node/consumer_table.h"
+#include "canopen/node/life_guarding.h"
+#include "canopen/node/node_guarding.h"
+
+namespace canopen {
+namespace {
+
+using Failure = std::optional<BootFailure>;
+using Remarks = std::vector<std::string>;
+
+constexpr const char* kConsumerName = "consumer heartbeat time";
+
+Raw milliseconds(Duration duration) noexcept {
+  return static_cast<Raw>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
+
+boost::asio::awaitable<Failure> make_so(SetupSession& session, SetupItem item, Remarks& remarks) {
+  SetupOutcome outcome = co_await session.ensure(std::move(item));
+  if (!outcome.remark.empty()) {
+    remarks.push_back(std::move(outcome.remark));
+  }
+  co_return std::move(outcome.failure);
+}
+
+SetupItem heartbeat_item(const ErrorControlSettings& control) {
+  const ErrorControlKind kind = kind_of(control);
+  const Raw wanted = kind == ErrorControlKind::heartbeat ? milliseconds(control.heartbeat) : 0;
+  SetupItem item{kProducerHeartbeat, DataType::u16, wanted, "heartbeat time", control.policy};
+  item.least = 1;
+  if (kind == ErrorControlKind::none) {
+    item.most = 0xFFFF;  // One that nobody asked for does no harm.
+  } else if (kind == ErrorControlKind::heartbeat || control.supervise_gateway <= Duration::zero()) {
+    item.most = milliseconds(control.heartbeat_timeout - std::chrono::nanoseconds(1));
+  }  // Without requests of ours nothing would start its life guarding, so there a heartbeat will not do.
+  return item;
+}
+
+struct ConsumerTable {
+  Failure failure;
+  std::vector<ConsumerEntry> entries;  ///< Empty: it does not say how many it has.
+};
+
+boost::asio::awaitable<ConsumerTable> read_consumer_table(SetupSession& session) {
+  ConsumerTable table;
+  const Result<Raw> count = co_await session.read({kConsumerHeartbeat.index, 0}, DataType::u8);
+  if (count.has_error()) {
+    if (!is_absent(count.error())) {
+      table.failure = session.failure(count.error(), kConsumerName);
+    }
+    co_return table;
+  }
+  for (Raw sub = 1; sub <= count.value() && !table.failure; ++sub) {
+    const ObjectAddress object{kConsumerHeartbeat.index, static_cast<std::uint8_t>(sub)};
+    const Result<Raw> value = co_await session.read(object, DataType::u32);
+    if (value.has_value()) {
+      table.entries.push_back({object.sub, value.value()});
+    } else if (!is_absent(value.error())) {
+      table.failure = session.failure(value.error(), kConsumerName);
+    }
+  }
+  co_return table;
+}
+
+/// CiA 301 §7.5.2.19.
+boost::asio::awaitable<Failure> set_up_consumer(SetupSession& session, Remarks& remarks) {
+  const NodeSettings& settings = session.context().settings;
+  const Raw wanted = consumer_value(settings.gateway_node, milliseconds(settings.error_control.supervise_gateway));
+  ConsumerTable table = co_await read_consumer_table(session);
+  if (table.failure) {
+    co_return std::move(table.failure);
+  }
+  if (table.entries.empty()) {
+    table.entries.push_back({kConsumerHeartbeat.sub, 0});
+  }
+  const auto plan = plan_consumer_table(table.entries, wanted);
+  if (!plan) {
+    co_return session.difference("0x1016 " + std::string(kConsumerName) + ": each of its " +
+                                 std::to_string(table.entries.size()) +
+                                 " entries watches over another node, none is left for the gateway");
+  }
+  Failure failure;
+  for (std::size_t i = 0; i < plan->size() && !failure; ++i) {
+    const ObjectAddress object{kConsumerHeartbeat.index, (*plan)[i].sub};
+    SetupItem entry{object, DataType::u32, (*plan)[i].value, kConsumerName, SetupPolicy::write};
+    failure = co_await make_so(session, std::move(entry), remarks);
+  }
+  co_return failure;
+}
+
+std::string foreign_life_guarding_text(const LifeGuarding& found) {
+  return to_string(kGuardTime) + " guard time is " + std::to_string(found.guard_time) + " ms and " +
+         to_string(kLifeTimeFactor) + " life time factor " + std::to_string(found.factor) +
+         ": another master has set life guarding. No guarding request is sent, for the first one starts it, and then "
+         "the drive trips without them; set both to 0 there, or set supervise_gateway";
+}
+
+boost::asio::awaitable<Failure> write_life_guarding(SetupSession& session, const LifeGuarding& wanted,
+                                                    Remarks& remarks) {
+  SetupItem guard_time{kGuardTime, DataType::u16, wanted.guard_time, "guard time", SetupPolicy::write};
+  Failure failure = co_await make_so(session, std::move(guard_time), remarks);
+  if (!failure) {
+    SetupItem factor{kLifeTimeFactor, DataType::u8, wanted.factor, "life time factor", SetupPolicy::write};
+    failure = co_await make_so(session, std::move(factor), remarks);
+  }
+  co_return failure;
+}
+
+boost::asio::awaitable<Failure> set_up_life_guarding(SetupSession& session, Remarks& remarks) {
+  const ErrorControlSettings& control = session.context().settings.error_control;
+  const LifeGuarding wanted = wanted_life_guarding(control);
+  if (!wanted.unset()) {
+    co_return co_await write_life_guarding(session, wanted, remarks);
+  }
+  const Result<LifeGuarding> found = co_await read_life_guarding(session);
+  if (found.has_error()) {
+    co_return session.failure(found.error(), "guard time and life time factor");
+  }
+  co_return may_guard(found.value(), control) ? std::nullopt
+                                              : Failure(session.difference(foreign_life_guarding_text(found.value())));
+}
+
+}  // namespace
+
+boost::asio::awaitable<ErrorControlOutcome> set_up_heartbeat(SetupSession& session, Remarks& remarks) {
+  const ErrorControlSettings& control = session.context().settings.error_control;
+  ErrorControlOutcome outcome{.failure = {}, .kind = kind_of(control)};
+  const unsigned written = session.written();
+  SetupItem item = heartbeat_item(control);
+  const bool wanted = item.wanted != 0;
+  SetupOutcome heartbeat = co_await session.ensure(std::move(item));
+  outcome.failure = std::move(heartbeat.failure);
+  outcome.heartbeat_written = session.written() != written;
+  if (outcome.kind == ErrorControlKind::guarding && heartbeat.will_do) {
+    outcome.kind = ErrorControlKind::heartbeat;
+  }
+  if (!heartbeat.remark.empty() && (wanted || !heartbeat.absent)) {
+    remarks.push_back(std::move(heartbeat.remark));
+  }
+  co_return outcome;
+}
+
+boost::asio::awaitable<ErrorControlOutcome> set_up_error_control(SetupSession& session, Remarks& remarks) {
+  const NodeSettings& settings = session.context().settings;
+  const ErrorControlSettings& control = settings.error_control;
+  ErrorControlOutcome outcome{.failure = {}, .kind = kind_of(control)};
+  const bool to_guard = outcome.kind == ErrorControlKind::guarding;
+  // What we may not change is looked at before a heartbeat is taken away. Where we may, the heartbeat goes first: the
+  // two exclude each other.
+  const bool look_first = to_guard && !session.inspecting() && wanted_life_guarding(control).unset();
+  if (look_first) {
+    outcome.failure = co_await set_up_life_guarding(session, remarks);
+  }
+  if (!outcome.failure) {
+    outcome = co_await set_up_heartbeat(session, remarks);
+  }
+  if (!outcome.failure && outcome.kind == ErrorControlKind::guarding && !look_first) {
+    outcome.failure = co_await set_up_life_guarding(session, remarks);
+  }
+  if (outcome.failure) {
+    co_return outcome;
+  }
+  if (outcome.kind == ErrorControlKind::guarding) {
+    session.context().guarding.start();
+  } else if (!to_guard && control.supervise_gateway > Duration::zero() && settings.gateway_node != 0) {
+    outcome.failure = co_await set_up_consumer(session, remarks);
+  }
+  co_return outcome;
+}
+
+}  // namespace canopen
