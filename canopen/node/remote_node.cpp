@@ -278,7 +278,8 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
 
 boost::asio::awaitable<void> RemoteNode::serve(Life& life) {
   while (!life.over()) {
-    co_await life.wait_until(std::min({restart_.at(), next_look(), next_serial_read()}));
+    const TimePoint next = std::min({restart_.at(), next_look(), next_serial_read()});
+    co_await life.wait_until(next);
     co_await restart_if_due(life);
     co_await read_for_sign_of_life(life);
     co_await read_serial_if_hinted(life);
