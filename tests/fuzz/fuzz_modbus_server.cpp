@@ -165,7 +165,10 @@ void Site::pass(canopen::Duration time) {
 
 void Site::send(Bytes bytes) {
   if (!client_) {
-    client_ = std::make_unique<TcpClient>(server_.port(0));
+    // The timer by which libFuzzer watches an input may interrupt one.
+    for (int tries = 0; tries < 3 && (!client_ || !client_->connected()); ++tries) {
+      client_ = std::make_unique<TcpClient>(server_.port(0));
+    }
     require(client_->connected());
     loop_.settle();
   }
@@ -277,10 +280,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::size_t i = 0; i < kMaxItems && !input.empty(); ++i) {
     const std::uint8_t kind = input.byte();
     if (kind < kTime) {
-      const Bytes raw = input.bytes(kind);
-      if (!raw.empty()) {
-        site.send(raw);
-      }
+      site.send(input.bytes(kind));
     } else if (kind < kRequest) {
       site.pass((kind & 0x3F) * 50ms);
     } else {
