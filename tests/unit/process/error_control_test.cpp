@@ -279,9 +279,9 @@ TEST_F(ErrorControlTest, WithSuperviseGatewayItNoticesOurEnd) {
   EXPECT_EQ(simulated_->record().emergencies, 0U);
   EXPECT_EQ(simulated_->state(), simulator::NmtState::operational);
   stop();
-  loop_.advance(1400ms);
+  loop_.advance(900ms);  // The last request was up to 500 ms before our end.
   EXPECT_EQ(simulated_->record().emergencies, 0U);
-  loop_.advance(200ms);
+  loop_.advance(700ms);
   EXPECT_EQ(simulated_->record().emergencies, 1U) << "0x8130";
   EXPECT_EQ(simulated_->state(), simulator::NmtState::pre_operational);
 }
