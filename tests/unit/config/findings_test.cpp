@@ -94,10 +94,11 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"[mqtt]\nhome_assistant = true\n", "mqtt.home_assistant"}));
 
 TEST(NotBuilt, AreTheDefaultsOfWhatIsNotBuiltEither) {
-  EXPECT_EQ(errors_of(load_site(kBus + kDrive + "eds = \"\"\n[drive.sdo]\npatience = \"0s\"\n")),
-            (std::vector<std::string>{
-                "gateway.toml:7:1: error: drive \"pump1\": eds is not supported by this version; leave it out",
-                "gateway.toml:9:1: error: drive \"pump1\": sdo.patience is not supported by this version; leave it out"}));
+  EXPECT_EQ(
+      errors_of(load_site(kBus + kDrive + "eds = \"\"\n[drive.sdo]\npatience = \"0s\"\n")),
+      (std::vector<std::string>{
+          "gateway.toml:7:1: error: drive \"pump1\": eds is not supported by this version; leave it out",
+          "gateway.toml:9:1: error: drive \"pump1\": sdo.patience is not supported by this version; leave it out"}));
 }
 
 TEST(WrongTypes, AreNamed) {
