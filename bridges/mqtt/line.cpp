@@ -8,6 +8,16 @@
 
 namespace mqtt {
 
+std::string text_of(const Refusal& refusal) {
+  if (!refusal.why.empty()) {
+    return refusal.why;
+  }
+  if (refusal.code >= 0) {
+    return "the broker refuses the connection: " + reason_text(refusal.code);
+  }
+  return refusal.closed ? "the connection is refused or closed before the broker answers" : "no connection";
+}
+
 void Line::begin() {
   *this = {.connection = connection + 1, .state = State::connecting};
 }

@@ -54,4 +54,7 @@ struct Line {
   [[nodiscard]] End end(const std::string& client_id) const;
 };
 
+/// Why an attempt brought no connection, in words.
+[[nodiscard]] std::string text_of(const Refusal& refusal);
+
 }  // namespace mqtt

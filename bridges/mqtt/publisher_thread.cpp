@@ -44,16 +44,6 @@ std::optional<std::string> first_line(const std::string& path) {
   return line.empty() ? std::nullopt : std::optional(std::move(line));
 }
 
-std::string text_of(const Refusal& refusal) {
-  if (!refusal.why.empty()) {
-    return refusal.why;
-  }
-  if (refusal.code >= 0) {
-    return "the broker refuses the connection: " + reason_text(refusal.code);
-  }
-  return refusal.closed ? "the connection is refused or closed before the broker answers" : "no connection";
-}
-
 }  // namespace
 
 void Publisher::run() {

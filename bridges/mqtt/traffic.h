@@ -26,9 +26,9 @@ namespace mqtt {
 class Traffic {
  public:
   using TimePoint = Outbox::TimePoint;
-  /// Nothing that was sent is acknowledged for so long: the broker hangs, although TCP stands. Paho's own ping does not
-  /// notice while its socket is full.
-  static constexpr std::chrono::seconds kStalled{20};
+  /// Nothing that was sent is acknowledged for so long: the broker hangs, although TCP stands. Paho's own ping notices
+  /// only after two periods of keep alive, and not while its socket is full.
+  static constexpr std::chrono::seconds kStalled{8};
 
   Traffic(int qos, Notice notice) : qos_(qos), notice_(std::move(notice)) {}
 

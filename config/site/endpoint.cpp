@@ -203,7 +203,7 @@ Form<Endpoint> endpoint() {
 
 Form<Endpoint> broker() {
   return {.type = "string", .read = read_broker, .show = [](const Endpoint& endpoint) {
-            return "mqtt://" + shown(endpoint);
+            return (endpoint.tls ? "mqtts://" : "mqtt://") + shown(endpoint);
           }};
 }
 

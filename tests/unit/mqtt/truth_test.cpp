@@ -250,6 +250,11 @@ TEST(MqttTruth, HealthTellsWhyTheLastConnectionEnded) {
   site.connect(2);
   EXPECT_TRUE(contains(site.retained("health"), R"("last_break":"the broker says session taken over, 0x8E")"))
       << site.retained("health");
+  site.broker().events->on_disconnected("gone");
+  site.broker().events->on_no_connection("TLS: the broker's certificate has expired");
+  site.connect(3);
+  EXPECT_TRUE(contains(site.retained("health"), R"("last_break":"TLS: the broker's certificate has expired")"))
+      << site.retained("health");
 }
 
 TEST(MqttSettings, NameTheClientAndTheVersion) {
@@ -263,6 +268,21 @@ TEST(MqttSettings, NameTheClientAndTheVersion) {
   EXPECT_EQ(publisher_settings(mqtt, gateway).version, 5);
   mqtt.version = config::MqttVersion::v3_1_1;
   EXPECT_EQ(publisher_settings(mqtt, gateway).version, 4);
+}
+
+TEST(MqttSettings, NameTheFiles) {
+  config::Mqtt mqtt;
+  mqtt.brokers = {{"broker.example", 8883, true}};
+  mqtt.password_file = "/p";
+  mqtt.ca_file = "/ca";
+  mqtt.cert_file = "/cert";
+  mqtt.key_file = "/key";
+  const PublisherSettings settings = publisher_settings(mqtt, {.name = "line3"});
+  EXPECT_TRUE(settings.broker.tls);
+  EXPECT_EQ(settings.password_file, "/p");
+  EXPECT_EQ(settings.client.tls.ca, "/ca");
+  EXPECT_EQ(settings.client.tls.cert, "/cert");
+  EXPECT_EQ(settings.client.tls.key, "/key");
 }
 
 TEST(TruthTest, NothingIsAnnouncedBehindTheLastWords) {
