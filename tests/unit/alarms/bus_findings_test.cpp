@@ -40,7 +40,8 @@ TEST(BusFindings, OneForEachFaultsFirst) {
 }
 
 TEST(BusFindings, ABusThatIsDownComesFirst) {
-  EXPECT_EQ(reasons({.state = {.condition = BusCondition::down}, .troubles = {.own_node_id = true}}),
+  EXPECT_EQ(reasons({.state = {.condition = BusCondition::down},
+                     .troubles = {.own_node_id = true, .overload = false, .second_master = {}}}),
             (std::vector<std::string>{"down", "own-node-id"}));
   EXPECT_EQ(reasons({.state = {.condition = BusCondition::bus_off}}), (std::vector<std::string>{"bus-off"}));
 }

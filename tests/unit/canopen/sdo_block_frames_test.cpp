@@ -20,7 +20,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using Step = SdoTransfer::Step;
 
-constexpr ObjectAddress kFile{0x1021, 0};
+constexpr ObjectAddress kReadFile{0x1021, 0};
 
 SdoSettings with_block() {
   SdoSettings settings;
@@ -45,10 +45,12 @@ std::string text_of(std::span<const std::uint8_t> bytes) {
 /// A transfer by hand: a step is compared with what is to be sent then.
 class SdoBlockFramesTest : public testing::Test {
  protected:
-  void begin_upload(std::size_t expected = 0) { transfer_.emplace(SdoTransfer::upload(with_block(), kFile, expected)); }
+  void begin_upload(std::size_t expected = 0) {
+    transfer_.emplace(SdoTransfer::upload(with_block(), kReadFile, expected));
+  }
   void begin_download(std::size_t size) {
     const Bytes data = counted(size);
-    transfer_.emplace(SdoTransfer::download(with_block(), kFile, data));
+    transfer_.emplace(SdoTransfer::download(with_block(), kReadFile, data));
   }
   [[nodiscard]] std::string request() const { return text_of(transfer_->request()); }
   Step hear(const Bytes& answer) { return transfer_->on_answer(answer, false); }
@@ -217,7 +219,7 @@ TEST_F(SdoBlockFramesTest, SegmentsOfAnUploadThatWasGivenUpPassForNothing) {
   const std::array<std::uint8_t, 4> value{1, 2, 3, 4};
   for (unsigned number = 1; number <= SdoBlockUpload::kSegments; ++number) {
     for (const unsigned last : {0U, 0x80U}) {
-      SdoTransfer write = SdoTransfer::download({}, kFile, value);
+      SdoTransfer write = SdoTransfer::download({}, kReadFile, value);
       const auto first = static_cast<std::uint8_t>(number | last);
       EXPECT_EQ(write.on_answer(Bytes{first, 0x21, 0x10, 0, 0, 0, 0, 8}, true), Step::ignored) << number;
       EXPECT_EQ(write.on_answer(Bytes{0x60, 0x21, 0x10, 0, 0, 0, 0, 0}, true), Step::completed);
@@ -226,7 +228,7 @@ TEST_F(SdoBlockFramesTest, SegmentsOfAnUploadThatWasGivenUpPassForNothing) {
 }
 
 TEST_F(SdoBlockFramesTest, AnAbortWithoutObjectEndsAnUploadInSegmentsThatWasAccepted) {
-  SdoTransfer read = SdoTransfer::upload({}, kFile, 0);
+  SdoTransfer read = SdoTransfer::upload({}, kReadFile, 0);
   const Bytes abort{0x80, 0, 0, 0, 0, 0, 0, 8};
   EXPECT_EQ(read.on_answer(abort, true), Step::ignored) << "it may be that of an older request";
   EXPECT_EQ(read.on_answer(Bytes{0x41, 0x21, 0x10, 0, 9, 0, 0, 0}, true), Step::more);
