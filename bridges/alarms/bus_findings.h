@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "canopen/bus/bus_state.h"
-#include "canopen/bus/bus_watch.h"
 #include "config/model.h"
 
 namespace alarms {

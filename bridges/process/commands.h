@@ -232,6 +232,7 @@ class Commands {
   std::size_t visits_ = 0;
   bool closed_ = false;
   bool live_ = false;
+  bool doubled_ = false;  ///< Two nodes have its node id.
 
   std::string id_prefix_;  ///< Of what the client gave no id: unique over restarts, so that the journal is found by it.
   std::uint64_t arrivals_ = 0;

@@ -206,13 +206,16 @@ bool Commands::holds_all(std::span<const Field> fields) const {
 }
 
 void Commands::on_status(const canopen::NodeStatus& status) {
-  const bool doubled = status.doubled == canopen::Doubled::proof;
-  const bool live = status.online && status.nmt == canopen::NmtState::operational && !doubled;
+  const bool live = status.online && status.nmt == canopen::NmtState::operational;
   if (std::exchange(live_, live) && !live) {
-    const std::string_view left =
-        doubled ? "two nodes have its node id" : "the drive left operational or is not online";
-    commanded_.on_session_end(status.lost ? "the drive was lost" : left);
+    commanded_.on_session_end(status.lost ? "the drive was lost" : "the drive left operational or is not online");
     control_.on_session_end();
+    on_void();
+  }
+  const bool doubled = status.doubled == canopen::Doubled::proof;
+  if (std::exchange(doubled_, doubled) != doubled && doubled) {
+    // It is there, and may run: whoever watches over its writer goes on, for stops still reach it.
+    commanded_.on_session_end("two nodes have its node id");
     on_void();
   }
 }

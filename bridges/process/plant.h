@@ -13,7 +13,6 @@
 #include "bridges/alarms/first_out.h"
 #include "bridges/process/drive.h"
 #include "canopen/bus/bus_state.h"
-#include "canopen/bus/bus_watch.h"
 #include "config/model.h"
 
 namespace process {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace canopen {
@@ -22,6 +23,14 @@ struct BusState {
     return condition != BusCondition::bus_off && condition != BusCondition::down;
   }
   friend bool operator==(const BusState&, const BusState&) = default;
+};
+
+/// What is wrong on a bus beside the state of its controller.
+struct BusTroubles {
+  bool own_node_id = false;   ///< Another node sends heartbeats with the gateway's node id.
+  bool overload = false;      ///< The load was above 90 % for a second, and not below 80 % since.
+  std::string second_master;  ///< What another master does (what it sends); empty: there is none.
+  friend bool operator==(const BusTroubles&, const BusTroubles&) = default;
 };
 
 /// What one bus counted since the start.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "canopen/bus/bus_state.h"
 #include "canopen/bus/second_master.h"
 #include "canopen/bus/subscription.h"
 #include "canopen/clock.h"
@@ -16,14 +17,6 @@ namespace canopen {
 
 class Bus;
 struct Received;
-
-/// What is wrong on a bus beside the state of its controller.
-struct BusTroubles {
-  bool own_node_id = false;   ///< Another node sends heartbeats with the gateway's node id.
-  bool overload = false;      ///< The load was above 90 % for a second, and not below 80 % since.
-  std::string second_master;  ///< What another master does (SecondMaster::text); empty: there is none.
-  friend bool operator==(const BusTroubles&, const BusTroubles&) = default;
-};
 
 /// Looks after who else is on a bus and how full it is: only by what is heard anyway, it sends nothing.
 class BusWatch {

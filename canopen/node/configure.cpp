@@ -89,6 +89,7 @@ boost::asio::awaitable<Failure> set_up(Procedure& procedure, ErrorControlStep st
     procedure.heartbeat_from = begun;
   }
   procedure.report.error_control = outcome.kind;
+  procedure.report.heartbeat_as_wanted = outcome.heartbeat_as_wanted;
   co_return std::move(outcome.failure);
 }
 

@@ -25,6 +25,7 @@ struct BootReport {
   std::vector<std::string> remarks;           ///< What the node lacks and was taken for granted, or what will do.
   std::optional<EmcyVerdict> emcy;            ///< Nothing: it was not asked, or did not answer.
   ErrorControlKind error_control = ErrorControlKind::none;  ///< By what the node tells that it lives.
+  bool heartbeat_as_wanted = false;                         ///< 0x1017 was read so: its period is known.
 
   [[nodiscard]] bool ok() const noexcept { return letter == BootResult::ok && !interrupted; }
 };

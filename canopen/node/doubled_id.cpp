@@ -8,6 +8,8 @@ namespace {
 
 // A node takes this long at most to reset (CiA 301 sets no limit): a boot-up within it may be the answer to a command.
 constexpr Duration kResetTime = std::chrono::seconds(10);
+// CAN sends a frame once more at once where its last bit was disturbed: such a pair is one boot-up.
+constexpr Duration kOneFrame = std::chrono::milliseconds(20);
 
 std::string went_back_text(NmtState state, NmtState other) {
   return "its heartbeat goes from " + std::string(name_of(state)) + " to " + std::string(name_of(other)) +
@@ -32,16 +34,9 @@ bool RateCheck::hear(TimePoint at) noexcept {
   return took * 7 <= period_ * static_cast<int>(kIntervals) * 4;
 }
 
-void DoubledId::set_period(Duration period) noexcept {
-  if (period != period_) {
-    period_ = period;
-    rate_.set_period(period);
-  }
-}
-
 void DoubledId::on_heartbeat(NmtState state, TimePoint at) {
   if (rate_.hear(at)) {
-    note(hint_, at, "its heartbeats come twice as often as they should");
+    hint(at, "its heartbeats come twice as often as they should");
   }
   if (before_[0] && before_[0]->state == state) {
     before_[0]->at = at;
@@ -49,20 +44,22 @@ void DoubledId::on_heartbeat(NmtState state, TimePoint at) {
   }
   const std::optional<State> left = std::exchange(before_[1], std::exchange(before_[0], State{state, at}));
   // before_[1] is where it was until now, `left` where it was before that.
-  const bool known = period_ > Duration::zero() && left && left->state == state;
-  if (known && at - left->at <= 2 * period_ && !commanded_since(left->at - period_)) {
-    note(proof_, at, went_back_text(state, before_[1]->state));
+  const bool back = left && left->state == state && at - left->at <= 2 * period_;
+  if (period_ > Duration::zero() && back && !commanded_since(left->at - period_)) {
+    std::string text = went_back_text(state, before_[1]->state);
+    self_starting_ ? hint(at, std::move(text)) : prove(at, std::move(text));
   }
 }
 
 void DoubledId::on_boot_up(TimePoint at) {
   const bool reset = reset_at_ && *reset_at_ >= at - kResetTime;
-  if (period_ > Duration::zero() && boot_up_at_ && at - *boot_up_at_ <= period_ && !reset) {
-    note(proof_, at, "two boot-ups within one heartbeat period, and nobody reset it");
+  const bool second = boot_up_at_ && at - *boot_up_at_ > kOneFrame && at - *boot_up_at_ <= period_;
+  if (second && !reset) {
+    prove(at, "two boot-ups within one heartbeat period, and nobody reset it");
   }
   boot_up_at_ = at;
   before_ = {};
-  rate_.begin_anew();
+  set_rate(Duration::zero());  // Until it is read anew.
 }
 
 void DoubledId::on_nmt(NmtCommand command, TimePoint at) {
@@ -74,22 +71,26 @@ void DoubledId::on_nmt(NmtCommand command, TimePoint at) {
 
 void DoubledId::on_second_answer(bool different, TimePoint at) {
   if (different) {
-    note(proof_, at, "two different SDO answers came to one request");
+    prove(at, "two different SDO answers came to one request");
   } else if (const auto before = std::exchange(same_answer_at_, at); before && at - *before < kForgotten) {
-    note(hint_, at, "SDO answers come twice");
+    hint(at, "SDO answers come twice");
   }
 }
 
 void DoubledId::on_doubled_tpdo(std::uint16_t number, TimePoint at) {
-  note(hint_, at, "TPDO " + std::to_string(number) + " comes twice as often as it should");
+  hint(at, "TPDO " + std::to_string(number) + " comes twice as often as it should");
 }
 
 void DoubledId::end() noexcept {
   proof_.reset();
   hint_.reset();
+  same_answer_at_.reset();
+  on_frames_lost();
+}
+
+void DoubledId::on_frames_lost() noexcept {
   before_ = {};
   boot_up_at_.reset();
-  same_answer_at_.reset();
   rate_.begin_anew();
 }
 
@@ -127,11 +128,22 @@ TimePoint DoubledId::next() const noexcept {
 }
 
 // The first text stays: an alarm that says another thing each second tells nobody anything.
-void DoubledId::note(std::optional<Sign>& sign, TimePoint at, std::string text) {
-  if (sign) {
-    sign->last = at;
+void DoubledId::prove(TimePoint at, std::string text) {
+  if (proof_) {
+    proof_->last = at;
   } else {
-    sign = Sign{.last = at, .text = std::move(text)};
+    proof_ = Sign{.last = at, .text = std::move(text)};
+  }
+}
+
+void DoubledId::hint(TimePoint at, std::string text) {
+  if (proof_) {
+    proof_->last = at;
+  }
+  if (hint_) {
+    hint_->last = at;
+  } else {
+    hint_ = Sign{.last = at, .text = std::move(text)};
   }
 }
 

@@ -36,21 +36,28 @@ class DoubledId {
  public:
   static constexpr Duration kForgotten = std::chrono::minutes(1);
 
-  /// Of its heartbeat, as it was read or written. Zero: not known, and nothing is concluded from times.
-  void set_period(Duration period) noexcept;
+  /// `period`: of its heartbeat as it should be; zero: none, and nothing is concluded from states and boot-ups.
+  /// `self_starting`: it may go operational again by itself, so going there and back is a hint only.
+  explicit DoubledId(Duration period, bool self_starting = false) noexcept
+      : period_(period), self_starting_(self_starting) {}
+
+  /// The period that it was read to have; zero: not known, and the rate of its heartbeats tells nothing.
+  void set_rate(Duration period) noexcept { rate_.set_period(period); }
 
   void on_heartbeat(NmtState state, TimePoint at);
   void on_boot_up(TimePoint at);
   /// An NMT command to it or to all left or was heard: what its state does next is no sign, nor, of a reset, a boot-up.
   void on_nmt(NmtCommand command, TimePoint at);
-  /// Another SDO answer to a request that had its answer already; `different`: it says something else. The owner sees
-  /// to it that nobody else had asked. One that says the same is a sign only where another one follows within a minute:
-  /// CAN itself may double a frame whose last bit is disturbed.
+  /// Another SDO answer to a request that had its answer already. The owner sees to it that nobody else had asked.
+  /// `different`: of an object that never changes it says something else. Any other is a sign only where another one
+  /// follows within a minute: CAN itself may double a frame whose last bit is disturbed, a request too.
   void on_second_answer(bool different, TimePoint at);
   /// A TPDO that follows the SYNC came at twice its rate.
   void on_doubled_tpdo(std::uint16_t number, TimePoint at);
-  /// Nothing of what was heard so far counts any more.
+  /// Nothing of what was found so far counts any more.
   void end() noexcept;
+  /// Frames may be missing: what comes is not compared with what was heard before.
+  void on_frames_lost() noexcept;
 
   /// Forgets what is too old.
   void look(TimePoint now);
@@ -69,10 +76,13 @@ class DoubledId {
     NmtState state{};
     TimePoint at{};
   };
-  static void note(std::optional<Sign>& sign, TimePoint at, std::string text);
+  void prove(TimePoint at, std::string text);
+  /// Keeps a proof alive, too.
+  void hint(TimePoint at, std::string text);
   [[nodiscard]] bool commanded_since(TimePoint from) const noexcept { return nmt_at_ && *nmt_at_ >= from; }
 
-  Duration period_{};
+  Duration period_;
+  bool self_starting_;
   RateCheck rate_;
   std::array<std::optional<State>, 2> before_{};  ///< The states before the newest one, newest first.
   std::optional<TimePoint> boot_up_at_;

@@ -8,6 +8,7 @@
 namespace canopen {
 namespace {
 
+constexpr std::uint32_t kSync = 0x080;
 constexpr std::uint32_t kNmt = 0x000;           // CiA 301 table 74.
 constexpr std::uint8_t kSlowestSyncTpdo = 240;  // CiA 301 table 67: 1 to 240 follow the SYNC.
 
@@ -19,9 +20,13 @@ bool follows_sync(const PdoSettings& tpdo) {
 }  // namespace
 
 DoubledWatch::DoubledWatch(const boost::asio::any_io_executor& executor, Bus& bus, const NodeSettings& settings,
-                           std::function<void()> on_change)
-    : bus_(bus), settings_(settings), on_change_(std::move(on_change)), timer_(executor, [this] { service(); }) {
-  id_.set_period(settings_.error_control.heartbeat);
+                           std::function<bool(std::uint16_t)> is_sure, std::function<void()> on_change)
+    : bus_(bus),
+      settings_(settings),
+      is_sure_(std::move(is_sure)),
+      on_change_(std::move(on_change)),
+      id_(settings.error_control.heartbeat, settings.self_starting),
+      timer_(executor, [this] { service(); }) {
   for (const PdoSettings& tpdo : settings_.tpdos) {
     if (follows_sync(tpdo)) {
       tpdos_.push_back({.number = tpdo.number});
@@ -34,16 +39,18 @@ void DoubledWatch::start() {
   subscriptions_.push_back(bus_.subscribe(kErrorControlBase + settings_.node,
                                           [this](const Received& received) { on_error_control(received); }));
   subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_foreign_nmt(received); }));
+  subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) { on_frames_lost(); }));
   std::size_t next = 0;
   for (const PdoSettings& tpdo : settings_.tpdos) {
     if (follows_sync(tpdo)) {
       subscriptions_.push_back(bus_.subscribe(tpdo.cob_id, [this, &watched = tpdos_[next++]](const Received& received) {
-        if (watched.rate.hear(received.at)) {
-          id_.on_doubled_tpdo(watched.number, received.at);
-          service();
-        }
+        on_sync_tpdo(watched, received);
       }));
     }
+  }
+  if (!tpdos_.empty()) {
+    subscriptions_.push_back(
+        bus_.subscribe(kSync, [this](const Received& received) { foreign_sync_at_ = received.at; }));
   }
 }
 
@@ -88,6 +95,24 @@ void DoubledWatch::on_foreign_nmt(const Received& received) {
   }
   if (const std::optional<NmtCommand> command = nmt_command_of(bytes[0])) {
     id_.on_nmt(*command, received.at);
+  }
+}
+
+/// Beside another SYNC than ours it may well come more often.
+void DoubledWatch::on_sync_tpdo(SyncTpdo& tpdo, const Received& received) {
+  const bool beside = foreign_sync_at_ && received.at - *foreign_sync_at_ < DoubledId::kForgotten;
+  if (beside || !is_sure_(tpdo.number)) {
+    tpdo.rate.begin_anew();
+  } else if (tpdo.rate.hear(received.at)) {
+    id_.on_doubled_tpdo(tpdo.number, received.at);
+    service();
+  }
+}
+
+void DoubledWatch::on_frames_lost() {
+  id_.on_frames_lost();
+  for (SyncTpdo& tpdo : tpdos_) {
+    tpdo.rate.begin_anew();
   }
 }
 

@@ -20,9 +20,10 @@ struct Received;
 /// SYNC. What of it the node's own procedures know they tell it.
 class DoubledWatch {
  public:
-  /// `bus` outlives it; `on_change` is called from the loop when verdict() or text() became another one.
+  /// `bus` and `settings` outlive it. `is_sure` tells whether the node is served, and this TPDO's type was read or
+  /// written. `on_change` is called from the loop when verdict() or text() became another one.
   DoubledWatch(const boost::asio::any_io_executor& executor, Bus& bus, const NodeSettings& settings,
-               std::function<void()> on_change);
+               std::function<bool(std::uint16_t tpdo)> is_sure, std::function<void()> on_change);
   DoubledWatch(const DoubledWatch&) = delete;
   DoubledWatch& operator=(const DoubledWatch&) = delete;
   ~DoubledWatch() = default;
@@ -30,12 +31,14 @@ class DoubledWatch {
   void start();
   void stop();
 
-  /// Of the heartbeat, once it was read or written; zero: not known.
-  void set_period(Duration period) noexcept { id_.set_period(period); }
+  /// Whether the period of the heartbeat was read to be as it should be.
+  void set_rate_known(bool known) noexcept {
+    id_.set_rate(known ? settings_.error_control.heartbeat : Duration::zero());
+  }
   /// A command of ours is about to leave, or has left.
   void on_nmt(NmtCommand command);
   void on_second_answer(bool different);
-  /// Somebody had it started, and wants to see what is left of it.
+  /// Nothing of what was found so far counts any more.
   void end();
 
   [[nodiscard]] Doubled verdict() const noexcept { return id_.verdict(); }
@@ -48,15 +51,19 @@ class DoubledWatch {
   };
   void on_error_control(const Received& received);
   void on_foreign_nmt(const Received& received);
+  void on_sync_tpdo(SyncTpdo& tpdo, const Received& received);
+  void on_frames_lost();
   /// Tells what changed, and sees to it that what is too old goes.
   void service();
 
   Bus& bus_;
   const NodeSettings& settings_;
+  std::function<bool(std::uint16_t)> is_sure_;
   std::function<void()> on_change_;
   DoubledId id_;
   Doubled told_ = Doubled::no;
   std::vector<SyncTpdo> tpdos_;
+  std::optional<TimePoint> foreign_sync_at_;
   WakeUp timer_;
   std::vector<Subscription> subscriptions_;
 };

@@ -133,6 +133,7 @@ boost::asio::awaitable<ErrorControlOutcome> set_up_heartbeat(SetupSession& sessi
   SetupItem item = heartbeat_item(control);
   const bool wanted = item.wanted != 0;
   SetupOutcome heartbeat = co_await session.ensure(std::move(item));
+  outcome.heartbeat_as_wanted = wanted && heartbeat.confirmed && !heartbeat.will_do && !heartbeat.failure;
   outcome.failure = std::move(heartbeat.failure);
   outcome.heartbeat_written = session.written() != written;
   if (outcome.kind == ErrorControlKind::guarding && heartbeat.will_do) {

@@ -14,7 +14,8 @@ struct ErrorControlOutcome {
   std::optional<BootFailure> failure;
   /// By what it is supervised: a node that keeps a heartbeat that will do is, although guarding was wanted.
   ErrorControlKind kind = ErrorControlKind::heartbeat;
-  bool heartbeat_written = false;  ///< 0x1017 was.
+  bool heartbeat_written = false;    ///< 0x1017 was.
+  bool heartbeat_as_wanted = false;  ///< 0x1017 was read, and is as it should be.
 };
 
 /// 0x1017 alone. A period that differs, but fits heartbeat_timeout, will do while inspecting, and after it was written:

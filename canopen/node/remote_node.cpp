@@ -49,7 +49,10 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
           executor_, settings_.error_control.heartbeat_timeout, [this] { on_silence(); },
           [this](TimePoint until) { return bus_.may_still_hear(until); }),
       guarding_(executor_, bus, settings_.node, settings_.error_control.guarding),
-      doubled_(executor_, bus, settings_, [this] { on_doubled(); }),
+      doubled_(
+          executor_, bus, settings_,
+          [this](std::uint16_t tpdo) { return stage_ == Stage::serving && tpdo_verified(tpdo); },
+          [this] { on_doubled(); }),
       expectation_(settings_.error_control.heartbeat_timeout),
       restart_(settings_.restart) {
   sdo_.on_second_answer([this](bool different) { doubled_.on_second_answer(different); });
@@ -146,6 +149,7 @@ boost::asio::awaitable<void> RemoteNode::live(Life& life) {
 
 boost::asio::awaitable<void> RemoteNode::bus_up(Life& life) {
   enter(Stage::searching);
+  doubled_.set_rate_known(false);
   if (!bus_.state().up() && !watch_.watching() && !status_.lost) {
     watch_.watch(Clock::now());  // A node that nobody can hear is missing, whatever the reason.
   }
@@ -315,7 +319,7 @@ boost::asio::awaitable<void> RemoteNode::wait_for_retry(Life& life, BootReport r
       status.held_back = HeldBack::no;
     });
   }
-  co_await pause(life, Clock::now() + (told_by_itself ? kLookInterval : kRetryInterval));
+  co_await pause_and_look(life, Clock::now() + (told_by_itself ? kLookInterval : kRetryInterval));
 }
 
 /// Neither configured nor started: it left operational by itself, or somebody stopped it.
@@ -336,8 +340,17 @@ boost::asio::awaitable<void> RemoteNode::hold_back(Life& life, FoundState found)
   if (found != FoundState::stopped && !sdo_.answered()) {
     static_cast<void>(co_await sdo_.probe(kDeviceType, DataType::u32));  // Reads are let through where it answers.
   }
-  co_await pause(life, std::min(Clock::now() + kRetryInterval, restart_.at()));
+  const TimePoint until = std::min(Clock::now() + kRetryInterval, restart_.at());
+  co_await pause_and_look(life, until);
   co_await restart_if_due(life);
+}
+
+boost::asio::awaitable<void> RemoteNode::pause_and_look(Life& life, TimePoint until) {
+  while (!life.over() && Clock::now() < until) {
+    const TimePoint next = std::min(until, next_serial_read());
+    co_await life.wait_until(next);
+    co_await read_serial_if_hinted(life);
+  }
 }
 
 boost::asio::awaitable<void> RemoteNode::pause(Life& life, TimePoint until) {

@@ -152,6 +152,8 @@ class RemoteNode {
   boost::asio::awaitable<void> hold_back(Life& life, FoundState found);
   boost::asio::awaitable<void> read_for_sign_of_life(Life& life);
   static boost::asio::awaitable<void> pause(Life& life, TimePoint until);
+  /// And looks for a second node where there are signs of one.
+  boost::asio::awaitable<void> pause_and_look(Life& life, TimePoint until);
 
   // Its steps.
   [[nodiscard]] LifeContext context(Life& life) { return {bus_, sdo_, guarding_, settings_, heard_, half_done_, life}; }

@@ -164,13 +164,19 @@ boost::asio::awaitable<Result<void>> RemoteNode::command(NmtCommand command, Tim
   if (stopping_ || !bus_.state().up()) {
     co_return offline_error({}, "the bus is down");
   }
-  if (command == NmtCommand::start) {
-    doubled_.end();
+  if (command != NmtCommand::start) {
+    co_return co_await send_nmt(command, deadline);
   }
-  if (command == NmtCommand::start && start_needs_boot()) {
-    co_return co_await start_by_boot(deadline);
+  Result<void> started;
+  if (start_needs_boot()) {
+    started = co_await start_by_boot(deadline);
+  } else {
+    started = co_await send_nmt(command, deadline);
   }
-  co_return co_await send_nmt(command, deadline);
+  if (started.has_value()) {
+    doubled_.end();  // Whoever had it started wants to see what is left of it.
+  }
+  co_return started;
 }
 
 boost::asio::awaitable<Result<void>> RemoteNode::send_nmt(NmtCommand command, TimePoint deadline) {

@@ -36,6 +36,7 @@ void RemoteNode::subscribe() {
   }
   subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) {
     guarding_.forget();
+    sdo_.on_frames_lost();
     watch_.frames_lost(Clock::now());
     events_.on_frames_lost();
   }));

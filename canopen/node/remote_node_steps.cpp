@@ -95,6 +95,7 @@ void RemoteNode::forget_stale_signs() {
 
 void RemoteNode::accept(const BootReport& report) {
   verified_tpdos_ = report.verified_tpdos;
+  doubled_.set_rate_known(report.heartbeat_as_wanted);
   for (const std::string& remark : report.remarks) {
     events_.on_remark(remark);
   }
@@ -220,10 +221,11 @@ boost::asio::awaitable<void> RemoteNode::read_for_sign_of_life(Life& life) {
 }
 
 TimePoint RemoteNode::next_serial_read() const noexcept {
-  return doubled_.verdict() == Doubled::hint ? serial_read_at_ : kNever;
+  return doubled_.verdict() == Doubled::no ? kNever : serial_read_at_;
 }
 
-/// Two nodes answer with two numbers; the SDO client hears the second one.
+/// Two nodes answer with two numbers; the SDO client hears the second one. With proof, too: it lasts as long as both
+/// are there.
 boost::asio::awaitable<void> RemoteNode::read_serial_if_hinted(Life& life) {
   if (life.over() || Clock::now() < next_serial_read()) {
     co_return;

@@ -197,7 +197,7 @@ void SdoClient::on_frame(const Received& received) {
       exchange_ == nullptr ? SdoTransfer::Step::ignored : exchange_->on_answer(received.frame.bytes());
   answered_ = answered_ || step != SdoTransfer::Step::ignored;
   if (step == SdoTransfer::Step::ignored) {
-    judge_unwanted(received.frame.bytes());
+    judge_unwanted(received);
   } else if (step == SdoTransfer::Step::completed || step == SdoTransfer::Step::failed) {
     note_answer(received.frame.bytes());
     on_end(exchange_->transfer());
@@ -206,22 +206,29 @@ void SdoClient::on_frame(const Received& received) {
 
 /// Only where nothing else can still be answered a further answer proves anything.
 void SdoClient::note_answer(std::span<const std::uint8_t> answer) {
-  if (exchange_->is_stop() || exchange_->disturbed() || exchange_->transfer().in_segments() || unanswered_.any()) {
+  if (exchange_->is_stop() || exchange_->disturbed() || exchange_->transfer().in_segments() || unanswered_.any() ||
+      others_ask(Clock::now())) {
     second_.forget();
   } else {
     second_.on_answered(answer);
   }
 }
 
-void SdoClient::judge_unwanted(std::span<const std::uint8_t> answer) const {
-  const SecondAnswer::Verdict verdict = second_.judge(answer);
-  if (verdict != SecondAnswer::Verdict::none && second_handler_) {
+bool SdoClient::others_ask(TimePoint now) const noexcept {
+  constexpr int kSlowestAnswer = 4;  // In timeouts of ours; that master may be more patient.
+  return foreign_at_ && now - *foreign_at_ < kSlowestAnswer * channel_.settings.timeout;
+}
+
+void SdoClient::judge_unwanted(const Received& received) const {
+  const SecondAnswer::Verdict verdict = second_.judge(received.frame.bytes());
+  if (verdict != SecondAnswer::Verdict::none && second_handler_ && !others_ask(received.at)) {
     second_handler_(verdict == SecondAnswer::Verdict::different);
   }
 }
 
 void SdoClient::on_foreign_request(const Received& received) {
   second_.forget();
+  foreign_at_ = received.at;
   const std::span<const std::uint8_t> request = received.frame.bytes();
   if (exchange_ == nullptr || !exchange_->disturb() || request.empty()) {
     return;

@@ -124,6 +124,9 @@ class SdoClient {
   /// Fails the commands that have not left with `offline`. One that has left is awaited, and reads and stops go on.
   void withdraw_commands();
 
+  /// Frames of the bus were lost: a request of somebody else may have been among them.
+  void on_frames_lost() noexcept { second_.forget(); }
+
   /// The newest transfer since the last interruption got an answer, were it an abort.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
   /// A download of `object` is under way, or went unanswered: a server that is slow may carry it out later yet.
@@ -158,7 +161,9 @@ class SdoClient {
   void on_foreign_request(const Received& received);
   void on_end(const SdoTransfer& transfer);
   void note_answer(std::span<const std::uint8_t> answer);
-  void judge_unwanted(std::span<const std::uint8_t> answer) const;
+  void judge_unwanted(const Received& received) const;
+  /// Somebody else asked so lately that an answer may be his.
+  [[nodiscard]] bool others_ask(TimePoint now) const noexcept;
   [[nodiscard]] SdoTransfer upload(ObjectAddress object, std::size_t expected = kLongestType) const {
     return SdoTransfer::upload(channel_.settings, object, expected);
   }
@@ -191,7 +196,8 @@ class SdoClient {
   WriteTimes write_times_;
   bool answered_ = false;
   SecondAnswer second_;
-  bool block_unknown_ = false;  ///< The node does not know block transfer.
+  std::optional<TimePoint> foreign_at_;  ///< The newest request of somebody else.
+  bool block_unknown_ = false;           ///< The node does not know block transfer.
 
   Subscription subscription_;
   Subscription foreign_requests_;

@@ -11,6 +11,13 @@ bool names_object(std::uint8_t first_byte) noexcept {
   return kind == SdoAnswer::upload || kind == SdoAnswer::download || kind == SdoAnswer::abort;
 }
 
+// CiA 301 §7.5.2.1, §7.5.2.19.
+bool never_changes(ObjectAddress object) noexcept {
+  constexpr std::uint16_t kType = 0x1000;
+  constexpr std::uint16_t kIdentity = 0x1018;
+  return object.index == kType || object.index == kIdentity;
+}
+
 }  // namespace
 
 void SecondAnswer::on_answered(std::span<const std::uint8_t> answer) noexcept {
@@ -34,7 +41,8 @@ SecondAnswer::Verdict SecondAnswer::judge(std::span<const std::uint8_t> answer) 
     return Verdict::none;
   }
   const std::span<const std::uint8_t> before = std::span(first_->answer).first(first_->size);
-  return std::equal(before.begin(), before.end(), answer.begin(), answer.end()) ? Verdict::same : Verdict::different;
+  const bool same = std::equal(before.begin(), before.end(), answer.begin(), answer.end());
+  return same || !never_changes(first_->object) ? Verdict::further : Verdict::different;
 }
 
 }  // namespace canopen

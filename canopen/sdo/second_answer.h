@@ -13,8 +13,9 @@ class SecondAnswer {
  public:
   enum class Verdict : std::uint8_t {
     none,      ///< It may be an answer to something else.
-    same,      ///< What the first one said. CAN itself may double a frame when its last bit is disturbed.
-    different  ///< Two servers answer.
+    further,   ///< What the first one said, or of an object whose value may have changed. CAN itself may double a frame
+               ///< when its last bit is disturbed: the answer, or the request.
+    different  ///< Of an object that never changes (0x1000, 0x1018) something else: two servers answer.
   };
 
   /// A request that was sent once, with nothing else unanswered and nobody else asking, has its answer.

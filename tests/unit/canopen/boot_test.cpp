@@ -198,16 +198,16 @@ TEST_F(BootTest, LostAnswersAreTriedAgain) {
 
 TEST_F(BootTest, BootUpDuringABootBeginsAgain) {
   install(bench_settings());
-  slave_.delay_answers(20ms);
+  slave_.delay_answers(80ms);
   start(bench_settings());
   slave_.boot_up();
-  loop_.advance(110ms);
+  loop_.advance(510ms);
   const std::size_t reads = slave_.reads().size();
   EXPECT_GT(reads, 3U);
   EXPECT_TRUE(nmt_heard().empty());
   slave_.forget_heard();
   slave_.boot_up();
-  ASSERT_TRUE(wait_online());
+  ASSERT_TRUE(wait_online(5s));
   EXPECT_EQ(slave_.reads().front(), kHeartbeatTime);
   EXPECT_EQ(slave_.reads().size(), 13U) << "all of it was read again";
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});

@@ -12,14 +12,14 @@ constexpr NmtState kPreOperational = NmtState::pre_operational;
 
 class DoubledIdTest : public testing::Test {
  protected:
-  DoubledIdTest() { id_.set_period(500ms); }
+  DoubledIdTest() { id_.set_rate(500ms); }
   void heartbeats(NmtState state, int count, Duration period) {
     for (int i = 0; i < count; ++i) {
       now_ += period;
       id_.on_heartbeat(state, now_);
     }
   }
-  DoubledId id_;
+  DoubledId id_{500ms};
   TimePoint now_{1h};
 };
 
@@ -102,9 +102,9 @@ TEST_F(DoubledIdTest, JitterAShortBurstAndAShorterPeriodAreNoHint) {
 }
 
 TEST_F(DoubledIdTest, WithoutAPeriodTimesTellNothing) {
-  id_.set_period(0ms);
+  id_ = DoubledId(0ms);
   id_.on_boot_up(now_);
-  id_.on_boot_up(now_);
+  id_.on_boot_up(now_ + 50ms);
   heartbeats(kOperational, 40, 1ms);
   heartbeats(kPreOperational, 1, 1ms);
   heartbeats(kOperational, 1, 1ms);
@@ -120,6 +120,50 @@ TEST_F(DoubledIdTest, SecondAnswersAreAHintAndAnotherOneIsProof) {
   id_.on_second_answer(true, now_);
   EXPECT_EQ(id_.verdict(), Doubled::proof);
   EXPECT_EQ(id_.text(), "two different SDO answers came to one request");
+}
+
+TEST_F(DoubledIdTest, ABootUpFrameThatCanDoubledIsOne) {
+  id_.on_boot_up(now_);
+  id_.on_boot_up(now_ + 1ms);
+  EXPECT_EQ(id_.verdict(), Doubled::no);
+}
+
+TEST_F(DoubledIdTest, ASelfStartingDriveMayGoThereAndBack) {
+  id_ = DoubledId(500ms, true);
+  heartbeats(kOperational, 1, 500ms);
+  heartbeats(kPreOperational, 1, 100ms);
+  heartbeats(kOperational, 1, 100ms);
+  EXPECT_EQ(id_.verdict(), Doubled::hint);
+}
+
+TEST_F(DoubledIdTest, TheRateTellsNothingAfterABootUpUntilItIsReadAnew) {
+  id_.on_boot_up(now_);
+  heartbeats(kOperational, 40, 100ms);
+  EXPECT_EQ(id_.verdict(), Doubled::no);
+  id_.set_rate(500ms);
+  heartbeats(kOperational, 40, 100ms);
+  EXPECT_EQ(id_.verdict(), Doubled::hint);
+}
+
+TEST_F(DoubledIdTest, AHintKeepsAProofAlive) {
+  id_.on_second_answer(true, now_);
+  id_.on_doubled_tpdo(1, now_ + 50s);
+  id_.look(now_ + 100s);
+  EXPECT_EQ(id_.verdict(), Doubled::proof);
+  id_.look(now_ + 110s);
+  EXPECT_EQ(id_.verdict(), Doubled::no);
+}
+
+TEST_F(DoubledIdTest, AfterLostFramesNothingIsComparedWithWhatWasBefore) {
+  heartbeats(kOperational, 1, 500ms);
+  heartbeats(kPreOperational, 1, 100ms);
+  id_.on_boot_up(now_);
+  id_.on_frames_lost();
+  id_.on_boot_up(now_ + 100ms);
+  heartbeats(kPreOperational, 1, 10ms);
+  id_.on_frames_lost();
+  heartbeats(kOperational, 1, 10ms);
+  EXPECT_EQ(id_.verdict(), Doubled::no);
 }
 
 TEST_F(DoubledIdTest, EndsAMinuteAfterTheLastSign) {

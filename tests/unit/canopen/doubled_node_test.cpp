@@ -65,7 +65,10 @@ TEST_F(DoubledNodeTest, TwoFromTheStartAreKnownByTheirBootUps) {
   ASSERT_TRUE(wait_for(Doubled::proof, 1s));
   EXPECT_EQ(status().doubled_text, "two boot-ups within one heartbeat period, and nobody reset it");
   loop_.advance(3s);
-  const Result<void> refused = write(7).get();
+  const Sent sent = write(7);
+  loop_.settle();
+  ASSERT_TRUE(sent.done());
+  const Result<void> refused = sent.get();
   ASSERT_TRUE(refused.has_error());
   EXPECT_EQ(refused.error().kind, ErrorKind::offline);
   EXPECT_TRUE(slave_.writes().empty() || slave_.writes().back() != kControlWord);
@@ -127,6 +130,47 @@ TEST_F(DoubledNodeTest, AnNmtStartEndsItAtOnce) {
   EXPECT_EQ(status().doubled, Doubled::no);
   loop_.advance(1s);
   EXPECT_TRUE(rpdo_now({control(7), target(100)}).has_value());
+}
+
+TEST_F(DoubledNodeTest, LastsForAsLongAsBothAreThere) {
+  bring_online(bench_settings());
+  spare_.unplug(false);
+  spare_.set_state(5);
+  ASSERT_TRUE(wait_for(Doubled::proof, 30s));
+  events_.statuses.clear();
+  loop_.advance(180s, 2ms);
+  for (const NodeStatus& told : events_.statuses) {
+    EXPECT_EQ(told.doubled, Doubled::proof);
+  }
+  EXPECT_EQ(status().doubled, Doubled::proof);
+}
+
+TEST_F(DoubledNodeTest, OneThatIsNotServedIsLookedAtToo) {
+  slave_.set({0x1018, 1}, DataType::u32, 0x91);
+  NodeSettings settings = bench_settings();
+  settings.identity.vendor = 0x90;
+  slave_.set_state(5);
+  start(settings);
+  loop_.advance(5s);
+  ASSERT_EQ(status().boot_result, BootResult::other_vendor);
+  spare_.unplug(false);
+  spare_.set_state(127);
+  EXPECT_TRUE(wait_for(Doubled::proof, 30s)) << status().doubled_text;
+}
+
+// A healthy drive beside a PLC that reads what we read, and whose answers are slow.
+TEST_F(DoubledNodeTest, APlcThatReadsTheSameIsNoSign) {
+  bring_online(bench_settings());
+  slave_.set({0x6044, 0}, DataType::i16, 0);
+  for (int i = 0; i < 50; ++i) {
+    slave_.set({0x6044, 0}, DataType::i16, static_cast<Raw>(i));
+    slave_.send(0x605, {0x40, 0x18, 0x10, 4, 0, 0, 0, 0});
+    const auto read = support::spawn(loop_.executor(), node_->read({0x1018, 4}, DataType::u32));
+    loop_.advance(2ms);
+    slave_.send(0x585, {0x43, 0x18, 0x10, 4, static_cast<std::uint8_t>(i), 0, 0, 0});
+    loop_.advance(250ms);
+  }
+  EXPECT_EQ(status().doubled, Doubled::no) << status().doubled_text;
 }
 
 // Field case: a commissioning tool reads beside us; its answers are for nobody of ours.

@@ -18,10 +18,17 @@ TEST(SecondAnswer, OfTheSameObjectIsTheSameOrAnotherOne) {
   SecondAnswer second;
   EXPECT_EQ(second.judge(kSerial), Verdict::none) << "nobody asked";
   second.on_answered(kSerial);
-  EXPECT_EQ(second.judge(kSerial), Verdict::same);
+  EXPECT_EQ(second.judge(kSerial), Verdict::further);
   EXPECT_EQ(second.judge(kOtherSerial), Verdict::different);
   EXPECT_EQ(second.judge(kAbort), Verdict::different) << "one has the object, the other has not";
   EXPECT_EQ(second.judge({}), Verdict::none);
+}
+
+TEST(SecondAnswer, OfAValueThatMayChangeProvesNothing) {
+  SecondAnswer second;
+  second.on_answered(Bytes{0x4B, 0x44, 0x60, 0, 1, 0, 0, 0});
+  EXPECT_EQ(second.judge(Bytes{0x4B, 0x44, 0x60, 0, 2, 0, 0, 0}), Verdict::further)
+      << "CAN may have doubled the request";
 }
 
 TEST(SecondAnswer, OfAnotherObjectOrKindMayBeAnythingElse) {
