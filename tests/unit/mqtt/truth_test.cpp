@@ -212,7 +212,7 @@ TEST(MqttTruth, HealthTellsOfTheGatewayAndItsConnection) {
   site.loop().settle();
   const std::string health = site.retained("health");
   EXPECT_TRUE(contains(health, R"({"ts":"2026-01-02T03:04:)")) << health;
-  EXPECT_TRUE(contains(health, R"("uptime":90,"buses":[{"name":"can0","state":"active","load":null}],)"
+  EXPECT_TRUE(contains(health, R"("uptime":90,"buses":[{"name":"can0","state":"active","load":0.015}],)"
                                R"("drives":1,"drives_online":1,"broker":"10.0.0.1:1883","protocol":"3.1.1",)"
                                R"("refused_subscriptions":["canopen/line3/stop"],"last_break":null,)"
                                R"("another_instance":null,"put_right":0,)"
