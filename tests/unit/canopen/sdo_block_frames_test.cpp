@@ -312,7 +312,10 @@ TEST_F(SdoBlockFramesTest, ServersThatGetNowhereAreLeft) {
   EXPECT_EQ(hear({0xA4, 0x21, 0x10, 0, 1, 0, 0, 0}), Step::more);
   EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::more);
   EXPECT_EQ(request(), "01 01 02 03 04 05 06 07");
+  EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::ignored) << "doubled, for the segment has not left";
+  EXPECT_EQ(transfer_->on_departure(), Step::ignored);
   EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::more);
+  EXPECT_EQ(transfer_->on_departure(), Step::ignored);
   EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::failed);
 }
 
