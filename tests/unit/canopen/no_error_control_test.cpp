@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "tests/unit/canopen/node_life_bench.h"
@@ -177,6 +178,27 @@ TEST_F(NoErrorControlTest, StoppedByCommandItIsOfflineAndNotLostAndCanBeStarted)
   ASSERT_TRUE(started.done());
   EXPECT_TRUE(started.get().has_value());
   EXPECT_EQ(slave_.state(), 5);
+}
+
+// Held back by a command in a boot that began with another: what it answers then may be from before that one.
+TEST_F(NoErrorControlTest, AnswersThatDoNotCountAreNoFloodOfReads) {
+  boot_without();
+  silent_when_stopped();
+  ASSERT_TRUE(command_now(NmtCommand::stop).has_value());
+  loop_.advance(20s, 5ms);
+  others_talk();
+  std::optional<Sent> held;
+  when_read(kLastRead, [&] { held.emplace(command(NmtCommand::pre_operational)); });
+  const auto started = command(NmtCommand::start, 5s);
+  ASSERT_TRUE(wait_online(5s)) << status().boot_text;
+  ASSERT_TRUE(held && held->done());
+  ASSERT_EQ(slave_.state(), 127) << "held back";
+  slave_.script({});
+  slave_.delay_answers(1ms);
+  slave_.forget_heard();
+  loop_.advance(1s);
+  EXPECT_TRUE(status().online);
+  EXPECT_LE(slave_.reads().size(), 4U);
 }
 
 TEST_F(NoErrorControlTest, StoppedByCommandItCanBeMadePreOperational) {
