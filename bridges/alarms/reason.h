@@ -9,8 +9,8 @@
 
 namespace alarms {
 
-// The closed list of Alarm::reason, but for `control` (control_alarm.h), `data` and more of a bus (bus_findings.h); docs/ALARMS.md says what each
-// means.
+// The closed list of Alarm::reason, but for `control` (control_alarm.h), `data` and more of a bus (bus_findings.h);
+// docs/ALARMS.md says what each means.
 
 /// `never-appeared` or `lost`: of a node whose error control ran out.
 [[nodiscard]] std::string_view heartbeat_reason(const canopen::NodeStatus& status) noexcept;
