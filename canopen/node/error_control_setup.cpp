@@ -110,18 +110,33 @@ boost::asio::awaitable<Failure> write_life_guarding(SetupSession& session, const
   co_return failure;
 }
 
+/// Requests that went on after a loss keep up what is another master's. What they told of the node nothing tells now.
+void end_requests(const LifeContext& context) {
+  if (context.guarding.running()) {
+    context.guarding.stop();
+    context.heard.by_guarding = true;
+  }
+}
+
 boost::asio::awaitable<Failure> set_up_life_guarding(SetupSession& session, Remarks& remarks) {
   const ErrorControlSettings& control = session.context().settings.error_control;
   const LifeGuarding wanted = wanted_life_guarding(control);
   if (!wanted.unset()) {
-    co_return co_await write_life_guarding(session, wanted, remarks);
+    Failure failure = co_await write_life_guarding(session, wanted, remarks);
+    if (failure && failure->letter == BootResult::left_alone) {
+      end_requests(session.context());
+    }
+    co_return failure;
   }
   const Result<LifeGuarding> found = co_await read_life_guarding(session);
   if (found.has_error()) {
     co_return session.failure(found.error(), "guard time and life time factor");
   }
-  co_return may_guard(found.value(), control) ? std::nullopt
-                                              : Failure(session.difference(foreign_life_guarding_text(found.value())));
+  if (may_guard(found.value(), control)) {
+    co_return std::nullopt;
+  }
+  end_requests(session.context());
+  co_return session.difference(foreign_life_guarding_text(found.value()));
 }
 
 }  // namespace
@@ -161,6 +176,10 @@ boost::asio::awaitable<ErrorControlOutcome> set_up_error_control(SetupSession& s
   }
   if (!outcome.failure && outcome.kind == ErrorControlKind::guarding && !look_first) {
     outcome.failure = co_await set_up_life_guarding(session, remarks);
+  }
+  if (!outcome.failure && session.context().life.over()) {
+    // With the last answer came a boot-up, or the end: what was read is that of before.
+    outcome.failure = BootFailure{.interrupted = true};
   }
   if (outcome.failure) {
     co_return outcome;

@@ -23,8 +23,8 @@ struct ErrorControlOutcome {
 boost::asio::awaitable<ErrorControlOutcome> set_up_heartbeat(SetupSession& session, std::vector<std::string>& remarks);
 
 /// The same, and how the node watches over us where it is to: an entry of 0x1016, or life guarding. For guarding,
-/// 0x100C and 0x100D are read first: where life guarding is set, and not by us, not one request is sent
-/// (`not_configured`, or `left_alone`), else the requests begin (LifeContext::guarding) and go on.
+/// 0x100C and 0x100D are read first: where life guarding is set, and not by us, no request begins and those that went
+/// on after a loss end (`not_configured`, or `left_alone`), else the requests begin (LifeContext::guarding) and go on.
 boost::asio::awaitable<ErrorControlOutcome> set_up_error_control(SetupSession& session,
                                                                  std::vector<std::string>& remarks);
 

@@ -1,6 +1,7 @@
 // The steps that the life of a node is made of, and what belongs to a stage of it.
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -15,8 +16,16 @@ namespace {
 
 // On hints of a second node; its answers cost the bus next to nothing.
 constexpr Duration kSerialPause = std::chrono::seconds(10);
-/// So that two answers may be late or missing.
-constexpr int kLooksPerTimeout = 3;
+/// So that two answers may be missing where the time of one is a third of heartbeat_timeout at most.
+constexpr int kLooksPerTimeout = 4;
+struct Sign {
+  ObjectAddress object;
+  DataType type;
+};
+// Every node has them (CiA 301 §7.5.2). In turn, for an object whose answer is missing cannot be asked for again at
+// once.
+constexpr std::array kSigns{Sign{kDeviceType, DataType::u32}, Sign{kErrorRegister, DataType::u8},
+                            Sign{kProducerHeartbeat, DataType::u16}};
 
 }  // namespace
 
@@ -209,14 +218,18 @@ TimePoint RemoteNode::next_look() const {
   return status_.last_heartbeat.value_or(TimePoint{}) + settings_.error_control.heartbeat_timeout / kLooksPerTimeout;
 }
 
-/// Any answer will do, an abort too: on_sign_of_life() hears it.
+/// Any answer will do, an abort too: on_sign_of_life() hears it. One that is missing has taken its time already.
 boost::asio::awaitable<void> RemoteNode::read_for_sign_of_life(Life& life) {
-  if (life.over() || Clock::now() < next_look()) {
-    co_return;
-  }
-  const Result<Raw> answer = co_await sdo_.probe(kDeviceType, DataType::u32);
-  if (answer.has_error() && !life.over()) {
-    co_await pause(life, Clock::now() + settings_.error_control.heartbeat_timeout / kLooksPerTimeout);
+  const Duration pace = settings_.error_control.heartbeat_timeout / kLooksPerTimeout;
+  for (const Sign& sign : kSigns) {
+    if (life.over() || Clock::now() < next_look()) {
+      co_return;
+    }
+    const TimePoint begun = Clock::now();
+    static_cast<void>(co_await sdo_.probe(sign.object, sign.type));
+    if (Clock::now() >= next_look()) {  // No answer, or one that does not count: from_before().
+      co_await pause(life, begun + pace);
+    }
   }
 }
 

@@ -46,10 +46,15 @@ SdoReaction SdoBlockDownload::on_answer(std::span<const std::uint8_t> answer) {
   return failed("the answer does not fit a block download", kAbortCommandUnknown);
 }
 
-// A server that misses a segment may say so at once, or at the end of the sub-block. What it got is never taken back,
-// so an acknowledgement that comes twice does no harm: of a sub-block under way it says less than what was sent, or
-// nothing.
+// A server that misses a segment may say so at once, or at the end of the sub-block. What it got is never taken back. A
+// frame that comes twice, as CAN may do it, comes before another of ours leaves. It would be told from an
+// acknowledgement of the next sub-block by nothing else where that has one segment.
 SdoReaction SdoBlockDownload::on_acknowledge(std::uint8_t number, std::uint8_t segments) {
+  const Acknowledge acknowledge{number, segments};
+  if (newest_ == acknowledge) {
+    return {};
+  }
+  newest_ = acknowledge;
   const bool all_sent = given_ == segments_;
   if (number > given_ || (number == given_ && !all_sent)) {
     return all_sent ? failed("segments were acknowledged that were not sent", kAbortSequenceNumber) : SdoReaction{};
@@ -68,6 +73,7 @@ SdoReaction SdoBlockDownload::on_acknowledge(std::uint8_t number, std::uint8_t s
 }
 
 SdoReaction SdoBlockDownload::on_departure() {
+  newest_.reset();
   return ending_ || given_ == segments_ ? SdoReaction{} : next_segment();
 }
 

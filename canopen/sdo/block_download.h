@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "canopen/sdo/step.h"
@@ -25,6 +27,9 @@ class SdoBlockDownload {
   [[nodiscard]] SdoReaction on_departure();
 
  private:
+  /// Number of the last segment that was taken, and how many the next sub-block may have.
+  using Acknowledge = std::pair<std::uint8_t, std::uint8_t>;
+
   [[nodiscard]] SdoReaction begin_sub_block(std::uint8_t segments);
   [[nodiscard]] SdoReaction next_segment();
   [[nodiscard]] SdoReaction on_acknowledge(std::uint8_t number, std::uint8_t segments);
@@ -32,11 +37,12 @@ class SdoBlockDownload {
   std::vector<std::uint8_t> data_;
   bool crc_;
   std::uint8_t first_size_;
-  std::size_t acknowledged_ = 0;  ///< Bytes.
-  std::uint8_t given_ = 0;        ///< Segments of this sub-block that were sent,
-  std::uint8_t segments_ = 0;     ///< of so many.
-  unsigned without_any_ = 0;      ///< Sub-blocks in a row of which the server took nothing.
-  bool ending_ = false;           ///< All is there, and the end was sent.
+  std::size_t acknowledged_ = 0;       ///< Bytes.
+  std::uint8_t given_ = 0;             ///< Segments of this sub-block that were sent,
+  std::uint8_t segments_ = 0;          ///< of so many.
+  unsigned without_any_ = 0;           ///< Sub-blocks in a row of which the server took nothing.
+  std::optional<Acknowledge> newest_;  ///< Since it came no segment of ours has left.
+  bool ending_ = false;                ///< All is there, and the end was sent.
 };
 
 }  // namespace canopen

@@ -47,6 +47,8 @@ SdoReaction SdoBlockUpload::on_segment(std::span<const std::uint8_t> frame) {
       return failed("more than the " + std::to_string(most_) + " bytes that are taken", kAbortOutOfMemory);
     }
     data_.insert(data_.end(), segment.data.begin(), segment.data.end());
+  } else if (++out_of_order_ > kSegments) {
+    return failed("segments of a sub-block come again and again", kAbortSequenceNumber);
   }
   return ends_sub_block ? acknowledge() : SdoReaction{.step = SdoStep::taken};
 }
@@ -76,6 +78,7 @@ SdoReaction SdoBlockUpload::acknowledge() {
   if (without_any_ >= kMostWithoutAny) {
     return failed("no segment comes in order", kAbortSequenceNumber);
   }
+  out_of_order_ = 0;
   state_ = has_last_ ? State::end : State::segments;
   return {.step = SdoStep::more, .request = block_upload_acknowledge(std::exchange(in_order_, 0), kSegments)};
 }

@@ -44,6 +44,7 @@ class SdoBlockUpload {
   State state_ = State::segments;
   std::vector<std::uint8_t> data_;
   std::uint8_t in_order_ = 0;       ///< Segments of this sub-block, from the first on.
+  unsigned out_of_order_ = 0;       ///< Others of it: behind a gap fewer than a sub-block has.
   bool has_last_ = false;           ///< The last one of all is among them.
   unsigned without_any_ = 0;        ///< Sub-blocks in a row without one in order.
   std::optional<SdoFrame> newest_;  ///< See SdoTransfer::newest_.

@@ -74,12 +74,13 @@ boost::asio::awaitable<Result<SdoClient::Bytes>> SdoClient::run(SdoTransfer tran
       unanswered_.clear();
     } else if (exchange.gave_way() ? in_the_middle && ++given_up == kMostGivenUp
                                    : !exchange.timed_out() || --tries == 0) {
-      if (silent_to_block && !exchange.error()) {
+      if (silent_to_block && !exchange.error() && ++silent_to_block_ == kSilentToBlock) {
         on_block_unknown("does not answer to block transfer");
       }
       co_return result(exchange, object);
     }
-    if (exchange.transfer().asks_for_block() && exchange.unanswered() && !exchange.gave_way()) {
+    if (exchange.transfer().asks_for_block() && exchange.unanswered() && !exchange.gave_way() &&
+        !exchange.disturbed()) {
       transfer.use_segments();  // Some servers say nothing where they know a request not.
       silent_to_block = true;
     }
@@ -174,10 +175,13 @@ boost::asio::awaitable<void> SdoClient::carry_out(SdoExchange& exchange) {
   exchange_ = &exchange;
   co_await exchange.run();
   exchange_ = nullptr;
-  if (!exchange.error() && !exchange.transfer().is_upload()) {
+  if (!exchange.error() && exchange.transfer().is_expedited_download()) {
     write_times_.note(Clock::now() - begun);
   }
   const ObjectAddress object = exchange.transfer().object();
+  if (exchange.transfer().block_accepted()) {
+    silent_to_block_ = 0;
+  }
   if (exchange.transfer().block_refused()) {
     on_block_unknown("refuses block transfer");
   }
@@ -278,6 +282,7 @@ void SdoClient::interrupt() {
   line_.call_off({SdoLine::Kind::transfer, SdoLine::Kind::command}, why);
   answered_ = false;
   block_unknown_ = false;
+  silent_to_block_ = 0;
   second_.forget();
   ++interruptions_;
   abort_.reset();

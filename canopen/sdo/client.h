@@ -140,6 +140,8 @@ class SdoClient {
 
   static constexpr unsigned kStopsSent = 8;
   static constexpr unsigned kMostGivenUp = 20;
+  /// A node that was silent to block transfer in so many reads in a row does not know it; once a frame may be lost.
+  static constexpr unsigned kSilentToBlock = 2;
 
  private:
   using Bytes = std::vector<std::uint8_t>;
@@ -197,7 +199,9 @@ class SdoClient {
   bool answered_ = false;
   SecondAnswer second_;
   std::optional<TimePoint> foreign_at_;  ///< The newest request of somebody else.
-  bool block_unknown_ = false;           ///< The node does not know block transfer.
+  bool block_unknown_ = false;  ///< The node does not know block transfer.
+  /// Reads in a row that it answered in segments, and not to block transfer before.
+  unsigned silent_to_block_ = 0;
 
   Subscription subscription_;
   Subscription foreign_requests_;

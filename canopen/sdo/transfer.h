@@ -43,6 +43,8 @@ class SdoTransfer {
 
   /// The server did not accept it yet, and is asked for block transfer.
   [[nodiscard]] bool asks_for_block() const noexcept { return phase_ == Phase::initiate && block_; }
+  /// The server accepted it as a block transfer, however it ended.
+  [[nodiscard]] bool block_accepted() const noexcept { return block_upload_ || block_download_; }
   /// It was to go by block transfer, and the server does not know that.
   [[nodiscard]] bool block_refused() const noexcept { return block_refused_; }
   /// Before the first request: not by block transfer.
@@ -58,6 +60,8 @@ class SdoTransfer {
 
   [[nodiscard]] ObjectAddress object() const noexcept { return object_; }
   [[nodiscard]] bool is_upload() const noexcept { return direction_ == Direction::upload; }
+  /// A write of one request and one answer.
+  [[nodiscard]] bool is_expedited_download() const noexcept { return !is_upload() && data_.size() <= 4; }
   /// The device accepted the transfer and waits for segments, or sends them: given up, it must be aborted.
   [[nodiscard]] bool in_segments() const noexcept { return phase_ == Phase::segments || in_block(); }
   [[nodiscard]] const Error& error() const noexcept { return error_; }

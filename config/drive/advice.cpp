@@ -168,6 +168,20 @@ void advise_on_deadline(const DriveDraft& draft) {
                     "shorter");
 }
 
+/// A drive that only answers shows by that alone that it lives: CANOPEN.md, error control.
+void advise_on_answers(const DriveDraft& draft) {
+  const canopen::ErrorControlSettings& control = draft.drive.node.error_control;
+  const Duration timeout = draft.drive.node.sdo.timeout;
+  if (kind_of(control) != canopen::ErrorControlKind::none || control.heartbeat_timeout >= 3 * timeout) {
+    return;
+  }
+  const std::string key = draft.site.find("heartbeat_timeout") != nullptr ? "heartbeat_timeout" : "heartbeat";
+  draft.warning(place_of(draft.site, key), "heartbeat_timeout (" + to_text(control.heartbeat_timeout) +
+                                               ") is below three times sdo.timeout (" + to_text(timeout) +
+                                               "), so one or two missing answers are a loss of this drive without "
+                                               "heartbeat and guarding; make one longer or the other shorter");
+}
+
 /// What the profile does not know for sure, in one line.
 void advise_on_unconfirmed(const DriveDraft& draft) {
   std::string names;
@@ -258,6 +272,7 @@ void advise(DriveDraft& draft) {
   }
   advise_on_unconfirmed(draft);
   advise_on_motor(draft);
+  advise_on_answers(draft);
   if (!draft.drive.commands.writers.any()) {
     return;
   }

@@ -187,18 +187,21 @@ TEST(SdoBlockClient, AServerThatKnowsNoBlockTransferIsAskedOnce) {
   EXPECT_EQ(bench.begun_with(0xA4), 2U);
 }
 
-TEST(SdoBlockClient, AServerThatDoesNotAnswerToItIsAskedTheUsualWay) {
-  SdoFaultBench bench(by_block());
-  bench.node.server.objects[kFile] = SdoFaultBench::counted(100);
-  bench.node.fault = WireFault::request_lost;
-  const auto reading = bench.read(kFile);
-  ASSERT_TRUE(bench.loop.advance_until([&] { return reading.done(); }, 5s));
-  EXPECT_TRUE(reading.get().has_value());
-  EXPECT_EQ(bench.begun_with(0x40), 1U);
-  EXPECT_EQ(bench.remarks.size(), 1U);
-  const auto again = bench.read(kFile);
-  ASSERT_TRUE(bench.loop.advance_until([&] { return again.done(); }, 5s));
-  EXPECT_EQ(bench.begun_with(0xA4), 1U);
+// 4 000 bytes take more than a second; a command is not begun where less time is left than a write takes.
+TEST(SdoBlockClient, LongWritesSayNothingOfTheTimeThatShortOnesTake) {
+  for (const bool block : {true, false}) {
+    SdoFaultBench bench(block ? by_block() : SdoSettings(), 125'000);
+    bench.node.server.objects[kFile] = {0};
+    const auto shortly = bench.command(kOther, {9, 0});
+    bench.loop.advance(50ms);
+    ASSERT_TRUE(shortly.done());
+    const Duration usual = bench.client->write_time();
+    EXPECT_LT(usual, 10ms);
+    const auto writing = bench.command(kFile, SdoFaultBench::counted(4000), 5s);
+    ASSERT_TRUE(bench.loop.advance_until([&] { return writing.done(); }, 5s));
+    ASSERT_TRUE(writing.get().has_value()) << to_string(writing.get().error());
+    EXPECT_EQ(bench.client->write_time(), usual);
+  }
 }
 
 TEST(SdoBlockClient, SmallDataMayComeTheUsualWay) {

@@ -10,6 +10,7 @@
 
 #include "canopen/hex.h"
 #include "canopen/sdo/block_frames.h"
+#include "canopen/sdo/block_upload.h"
 #include "canopen/sdo/crc16.h"
 #include "canopen/sdo/transfer.h"
 #include "tests/unit/simulator/golden_trace.h"
@@ -312,8 +313,24 @@ TEST_F(SdoBlockFramesTest, ServersThatGetNowhereAreLeft) {
   EXPECT_EQ(hear({0xA4, 0x21, 0x10, 0, 1, 0, 0, 0}), Step::more);
   EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::more);
   EXPECT_EQ(request(), "01 01 02 03 04 05 06 07");
+  EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::ignored) << "doubled, for the segment has not left";
+  EXPECT_EQ(transfer_->on_departure(), Step::ignored);
   EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::more);
+  EXPECT_EQ(transfer_->on_departure(), Step::ignored);
   EXPECT_EQ(hear({0xA2, 0, 1, 0, 0, 0, 0, 0}), Step::failed);
+}
+
+TEST_F(SdoBlockFramesTest, ASubBlockThatRepeatsItsSegmentsForEverIsAborted) {
+  begin_upload();
+  EXPECT_EQ(hear({0xC4, 0x21, 0x10, 0, 0, 0, 0, 0}), Step::more);
+  EXPECT_EQ(hear({1, 1, 2, 3, 4, 5, 6, 7}), Step::taken);
+  EXPECT_EQ(hear({2, 1, 2, 3, 4, 5, 6, 7}), Step::taken);
+  for (unsigned i = 0; i < SdoBlockUpload::kSegments; ++i) {
+    ASSERT_EQ(hear({static_cast<std::uint8_t>(1 + i % 2), 1, 2, 3, 4, 5, 6, 7}), Step::taken) << i;
+  }
+  EXPECT_EQ(hear({2, 1, 2, 3, 4, 5, 6, 7}), Step::failed);
+  ASSERT_TRUE(transfer_->abort());
+  EXPECT_EQ(text_of(*transfer_->abort()), "80 21 10 00 03 00 04 05");
 }
 
 TEST_F(SdoBlockFramesTest, MoreThanIsTakenIsAborted) {

@@ -19,6 +19,17 @@ TEST(Advice, IsNotNeededForADriveThatIsOnlyWatched) {
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer)), IsEmpty());
 }
 
+TEST(Advice, WarnsWhereADriveThatOnlyAnswersHasTimeForNoMissingAnswer) {
+  const std::string none = kBus + kMixer + "heartbeat = \"0s\"\n";
+  EXPECT_THAT(warnings_of(load_site(none)), IsEmpty()) << "the defaults are three times";
+  EXPECT_THAT(warnings_of(load_site(none + "heartbeat_timeout = \"1499ms\"\n")),
+              ElementsAre(HasSubstr("heartbeat_timeout (1499ms) is below three times sdo.timeout (500ms)")));
+  EXPECT_THAT(warnings_of(load_site(none + "sdo = { timeout = \"501ms\" }\n")),
+              ElementsAre(HasSubstr("7:13: warning: drive \"mixer1\": heartbeat_timeout (1500ms) is below")));
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "sdo = { timeout = \"1s\" }\n")), IsEmpty())
+      << "a heartbeat does not hang on it";
+}
+
 TEST(Advice, WarnsOfCommandsThatNobodySupervises) {
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer + kCommands + kMax)),
               ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": takes commands, but nothing stops it")));
