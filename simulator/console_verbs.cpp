@@ -223,7 +223,7 @@ std::optional<std::string> behave(Drive& drive, Arguments /*arguments*/) {
   return std::nullopt;
 }
 
-constexpr std::array<Verb, 22> kVerbs{{
+constexpr std::array<Verb, 23> kVerbs{{
     {"power", 1, 1, false, "on|off", "power supply", power},
     {"reboot", 0, 1, false, "[MS]", "power off and, after a pause (500 ms), on again", reboot},
     {"fault", 1, 1, true, "CODE", "trip with a fault of the drive's own table", trouble<&Drive::fault>},
