@@ -8,6 +8,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/system/error_code.hpp>
+#include <chrono>
 #include <utility>
 #include <variant>
 
@@ -23,6 +24,10 @@ namespace {
 // Added to the function that an exception answers. Who asks for one that has it already is answered with the same code;
 // libmodbus would add it again, and 0x90 would read like a write that was carried out.
 constexpr std::uint8_t kExceptionBit = 0x80;
+
+// A first request waits where the gateway was not there to take the connection: started anew behind a socket of the
+// service manager, stopped, or without descriptors.
+constexpr canopen::Duration kMayHaveGivenUp = std::chrono::seconds(1);
 
 // How far a stop is looked for behind a write that waits: about 300 writes of one register.
 constexpr std::size_t kLookAhead = 4096;
@@ -71,6 +76,7 @@ awaitable<void> Client::serve() {
       }
       const std::span<const std::uint8_t> answer = word_answer(frame);
       if (answer.empty()) {
+        ended_ = "disconnected: there are no words for its answer";
         co_return;
       }
       const auto worded = boost::asio::buffer(answer.data(), answer.size());
@@ -101,6 +107,10 @@ awaitable<bool> Client::receive() {
   const std::size_t count = co_await socket_.async_read_some(room, redirect_error(use_awaitable, failed));
   if (failed) {
     note_loss(failed);
+    co_return false;
+  }
+  came_late_ = taken_ == 0 && silence(socket_) > kMayHaveGivenUp;
+  if (came_late_) {
     co_return false;
   }
   filled_ += count;

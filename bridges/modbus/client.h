@@ -39,6 +39,8 @@ class Client {
   void close(const char* why);
   /// After serve(): why it ended; null where the client left.
   [[nodiscard]] const char* ended() const noexcept { return ended_; }
+  /// What it sent first lay in the system's queue for so long that it may have given up.
+  [[nodiscard]] bool came_late() const noexcept { return came_late_; }
   [[nodiscard]] bool sent_garbage() const noexcept { return sent_garbage_; }
 
   /// When it last asked for something or was answered; nothing while a command is carried out for it. One that does
@@ -106,6 +108,7 @@ class Client {
   canopen::TimePoint active_;
   std::optional<canopen::TimePoint> half_since_;
   bool commanding_ = false;
+  bool came_late_ = false;
   bool sent_garbage_ = false;
   const char* ended_ = nullptr;
 };

@@ -26,8 +26,7 @@ constexpr unsigned kFirstOrdinaryPort = 1024;
 constexpr canopen::Duration kFirstRetry = std::chrono::seconds(1);
 constexpr canopen::Duration kLastRetry = std::chrono::seconds(30);
 
-// After a failed accept (no descriptor left), so that the loop does not spin on it. Who connects waits meanwhile in the
-// system's queue, and is served once there is one.
+// After a failed accept, so that the loop does not spin on it. Who connects waits meanwhile in the system's queue.
 constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
 
 std::string text_of(const config::Endpoint& entry) {
@@ -63,6 +62,10 @@ bool is_of_no_use(const error_code& cause) {
   return cause == boost::asio::error::address_family_not_supported || is_absent(cause);
 }
 
+bool has_no_descriptor(const error_code& cause) {
+  return cause == boost::asio::error::no_descriptors || cause == error_code(ENFILE, boost::system::system_category());
+}
+
 }  // namespace
 
 // The system's resolver cannot be interrupted and may take half a minute, so whoever asked does not stay for the
@@ -93,7 +96,7 @@ void Listener::start(std::optional<tcp::acceptor> passed) {
   if (passed) {
     error_code failed;
     serve(passed->local_endpoint(failed), std::move(*passed));
-    owner_.log.info(name_, "listening on the socket that the service manager passed");
+    owner_.log.own_info(name_, "listening on the socket that the service manager passed");
   } else if (!at || !open({*at})) {
     owner_.spawn(open_in_time(at.has_value()));
   }
@@ -180,7 +183,7 @@ bool Listener::open(const Endpoints& endpoints) {
     warn_once(worst);
     return false;
   }
-  owner_.log.info(name_, "listening");
+  owner_.log.own_info(name_, "listening");
   return true;
 }
 
@@ -202,9 +205,9 @@ std::optional<tcp::acceptor> Listener::bind(const tcp::endpoint& at, error_code&
     ::setsockopt(acceptor.native_handle(), IPPROTO_IP, IP_FREEBIND, &on, sizeof on);
     acceptor.bind(at, failed);
     if (!failed) {
-      owner_.log.warn(name_,
-                      "this machine does not have the address (`ip address` shows which it has); it is served "
-                      "as soon as it does");
+      owner_.log.own_warn(name_,
+                          "this machine does not have the address (`ip address` shows which it has); it is served "
+                          "as soon as it does");
     }
   }
   if (!failed) {
@@ -223,20 +226,49 @@ awaitable<void> Listener::accept_from(Socket& socket) {
     error_code failed;
     tcp::socket client = co_await socket.acceptor.async_accept(redirect_error(use_awaitable, failed));
     if (!failed) {
-      owner_.take(std::move(client));
-    } else if (!closed_ && failed != boost::asio::error::connection_aborted) {
-      owner_.log.warn(name_, "cannot take a connection: " + failed.message() +
-                                 "; who connects waits until descriptors or memory are free");
-      socket.pause.expires_after(kAcceptPause);
-      co_await socket.pause.async_wait(redirect_error(use_awaitable, failed));
+      owner_.spare.keep();
+      owner_.take(std::move(client), false);
+      continue;
     }
+    if (closed_ || failed == boost::asio::error::connection_aborted) {
+      continue;
+    }
+    if (has_no_descriptor(failed)) {
+      owner_.log.own_warn(name_, "no descriptor is left (" + failed.message() +
+                                     "): who connects is refused, but for those who may take another's place");
+      if (take_last(socket)) {
+        continue;
+      }
+    } else {
+      const bool no_memory = failed == boost::asio::error::no_buffer_space || failed == boost::asio::error::no_memory;
+      owner_.log.own_warn(name_, "cannot take a connection: " + failed.message() +
+                                     (no_memory ? "; who connects waits until memory is free" : "; it is tried again"));
+    }
+    socket.pause.expires_after(kAcceptPause);
+    co_await socket.pause.async_wait(redirect_error(use_awaitable, failed));
   }
+}
+
+bool Listener::take_last(Socket& socket) {
+  if (!owner_.spare.release()) {
+    owner_.spare.keep();
+    return false;
+  }
+  error_code failed;
+  socket.acceptor.non_blocking(true, failed);
+  tcp::socket client = socket.acceptor.accept(failed);
+  const bool taken = !failed;
+  if (taken) {
+    owner_.take(std::move(client), true);
+  }
+  owner_.spare.keep();
+  return taken;
 }
 
 void Listener::warn_once(const error_code& cause) {
   std::string text = "cannot listen: " + cause.message() + "; " + remedy(cause, entry_) + ". It is tried again";
   if (text != told_) {
-    owner_.log.warn(name_, text);
+    owner_.log.own_warn(name_, text);
     told_ = std::move(text);
   }
 }
