@@ -12,6 +12,8 @@
 #include <chrono>
 #include <utility>
 
+#include "bridges/modbus/look_up.h"
+
 namespace modbus {
 
 using boost::asio::awaitable;
@@ -68,22 +70,13 @@ bool has_no_descriptor(const error_code& cause) {
 
 }  // namespace
 
-// The system's resolver cannot be interrupted and may take half a minute, so whoever asked does not stay for the
-// answer.
-struct Listener::Question {
-  explicit Question(const boost::asio::any_io_executor& executor) : answered(executor, canopen::TimePoint::max()) {}
-  canopen::Timer answered;
-  error_code failed = boost::asio::error::operation_aborted;
-  Endpoints endpoints;
-};
-
 Listener::Listener(boost::asio::any_io_executor executor, const config::Endpoint& entry, Owner& owner)
     : executor_(std::move(executor)),
       entry_(entry),
       owner_(owner),
       name_(text_of(entry)),
-      resolver_(executor_),
-      retry_(executor_) {}
+      retry_(executor_),
+      answered_(executor_) {}
 
 std::optional<tcp::endpoint> Listener::numeric() const {
   error_code failed;
@@ -110,9 +103,7 @@ void Listener::close() {
     socket.pause.cancel();
   }
   retry_.cancel();
-  if (question_) {
-    question_->answered.cancel();
-  }
+  answered_.cancel();
 }
 
 std::uint16_t Listener::port() const {
@@ -142,23 +133,20 @@ awaitable<Listener::Endpoints> Listener::resolve() {
   if (const std::optional<tcp::endpoint> at = numeric()) {
     co_return Endpoints{*at};
   }
-  question_ = std::make_shared<Question>(executor_);
-  resolver_.async_resolve(
-      entry_.host, std::to_string(entry_.port), tcp::resolver::passive,
-      [asked = std::weak_ptr(question_)](const error_code& failed, const tcp::resolver::results_type& found) {
-        if (const auto question = asked.lock()) {
-          question->failed = failed;
-          question->endpoints.assign(found.begin(), found.end());
-          question->answered.cancel();
-        }
-      });
+  error_code failed = boost::asio::error::operation_aborted;
+  Endpoints found;
+  answered_.expires_at(canopen::TimePoint::max());
+  const LookUp asked(executor_, entry_.host, entry_.port, [&](const error_code& why, Endpoints endpoints) {
+    failed = why;
+    found = std::move(endpoints);
+    answered_.cancel();
+  });
   error_code ignored;
-  co_await question_->answered.async_wait(redirect_error(use_awaitable, ignored));
-  const std::shared_ptr<Question> question = std::exchange(question_, nullptr);
-  if (question->failed && !closed_) {
-    warn_once(question->failed);
+  co_await answered_.async_wait(redirect_error(use_awaitable, ignored));
+  if (failed && !closed_) {
+    warn_once(failed);
   }
-  co_return std::move(question->endpoints);
+  co_return std::move(found);
 }
 
 bool Listener::open(const Endpoints& endpoints) {

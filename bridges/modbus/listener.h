@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,7 +52,6 @@ class Listener {
     canopen::Timer pause;
   };
   using Endpoints = std::vector<boost::asio::ip::tcp::endpoint>;
-  struct Question;
 
   boost::asio::awaitable<void> open_in_time(bool tried);
   boost::asio::awaitable<Endpoints> resolve();
@@ -72,9 +70,8 @@ class Listener {
   Owner& owner_;
   std::string name_;  ///< `0.0.0.0:502`, `[::]:502`
   std::list<Socket> sockets_;
-  boost::asio::ip::tcp::resolver resolver_;
   canopen::Timer retry_;
-  std::shared_ptr<Question> question_;
+  canopen::Timer answered_;
   std::string told_;
   bool closed_ = false;
 };
