@@ -19,9 +19,9 @@ line() { # line NAME NETWORK
 }
 line cut 10.79.0
 line late 10.80.0
-line down 10.81.0
+line fall 10.81.0
 ip addr add 10.79.0.1/30 dev cut
-ip addr add 10.81.0.1/30 dev down
+ip addr add 10.81.0.1/30 dev fall
 
 site() { # site LINES-OF-MODBUS
   sed -e "/^\[gateway\]/a state_dir = \"$work/state\"\ncontrol = \"\"" -e "/^listen/d" -e "/^\[modbus\]/a $1" \
@@ -74,7 +74,7 @@ wait_until 5 "an answer is not acknowledged" bash -c "ss -tnH src 10.79.0.1 | aw
 kill -STOP "${started[gateway]}"
 echo >&9
 wait_until 5 "its request is there" bash -c "ss -tnH src 10.81.0.1 | awk '\$2 > 0' | grep -q ."
-ip link set down down
+ip link set fall down
 kill -CONT "${started[gateway]}"
 wait_until 5 "an answer is not acknowledged" bash -c "ss -tnH src 10.81.0.1 | awk '\$3 > 0' | grep -q ."
 cut_at=$(date +%s%3N)
@@ -83,7 +83,7 @@ gone() { # gone ADDRESS: when its connections have ended
   date +%s%3N
 }
 launch cut_gone gone 10.79.0.1
-launch down_gone gone 10.81.0.1
+launch fall_gone gone 10.81.0.1
 
 say "an address comes after the start"
 mark
@@ -141,7 +141,7 @@ exec 4>&-
 prlimit --pid "${started[gateway]}" --nofile=4096:4096
 
 # When they ended is noted beside the rest, however long that takes.
-for line in cut down; do
+for line in cut fall; do
   wait_until 35 "the connections of a line are given up" test -s "$work/${line}_gone.out"
   ended=$(($(<"$work/${line}_gone.out") - cut_at))
   say "$line: given up $ended ms after the cut"
