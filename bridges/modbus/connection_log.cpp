@@ -16,13 +16,13 @@ std::string line_of(std::string_view address, std::string_view what) {
 
 }  // namespace
 
-void ConnectionLog::tell(std::string_view address, std::string_view what, const Sink& sink) {
+void ConnectionLog::tell(std::string_view address, std::string_view what, const Sink& sink, bool own) {
   if (!sink) {
     return;
   }
   KeyView key(address, what);
   auto line = lines_.find(key);
-  if (line == lines_.end() && lines_.size() >= kMaxLines) {
+  if (line == lines_.end() && !own && of_strangers_ >= kMaxLines) {
     key = {"further addresses", "more than the log tells of in a minute"};
     line = lines_.find(key);
   }
@@ -30,7 +30,8 @@ void ConnectionLog::tell(std::string_view address, std::string_view what, const 
     ++line->second.untold;
     return;
   }
-  lines_.emplace(key, Line{.told = canopen::Clock::now(), .untold = 0, .sink = &sink});
+  lines_.emplace(key, Line{.told = canopen::Clock::now(), .untold = 0, .sink = &sink, .own = own});
+  of_strangers_ += own ? 0 : 1;
   sink(line_of(key.first, key.second));
 }
 
@@ -41,11 +42,12 @@ void ConnectionLog::sweep() {
     if (now - line.told < kOnceIn) {
       ++at;
     } else if (line.untold == 0) {
+      of_strangers_ -= line.own ? 0 : 1;
       at = lines_.erase(at);
     } else {
       (*line.sink)(line_of(at->first.first, at->first.second) + " (" + std::to_string(line.untold) +
                    " times more in the last minute)");
-      line = {.told = now, .untold = 0, .sink = line.sink};
+      line = {.told = now, .untold = 0, .sink = line.sink, .own = line.own};
       ++at;
     }
   }

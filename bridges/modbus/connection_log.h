@@ -29,6 +29,9 @@ class ConnectionLog {
   /// `what` follows the address in the line.
   void info(std::string_view address, std::string_view what) { tell(address, what, notices_.info); }
   void warn(std::string_view address, std::string_view what) { tell(address, what, notices_.warning); }
+  /// Of the server itself: told however much else there is to tell.
+  void own_info(std::string_view name, std::string_view what) { tell(name, what, notices_.info, true); }
+  void own_warn(std::string_view name, std::string_view what) { tell(name, what, notices_.warning, true); }
   /// Tells how often that happened of which nothing was told for a minute. To be called each second.
   void sweep();
 
@@ -44,12 +47,14 @@ class ConnectionLog {
     canopen::TimePoint told;
     std::size_t untold;
     const Sink* sink;
+    bool own;
   };
 
-  void tell(std::string_view address, std::string_view what, const Sink& sink);
+  void tell(std::string_view address, std::string_view what, const Sink& sink, bool own = false);
 
   Notices notices_;
   std::map<Key, Line, Before> lines_;  ///< Of the last minute.
+  std::size_t of_strangers_ = 0;       ///< Lines that are not of the server itself.
 };
 
 }  // namespace modbus

@@ -1,5 +1,6 @@
 #include "bridges/modbus/connections.h"
 
+#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -27,6 +28,7 @@ using boost::system::error_code;
 
 // The rest of a request comes at once, or never.
 constexpr canopen::Duration kHalfRequest = std::chrono::seconds(5);
+constexpr const char* kNoDescriptor = "refused: no descriptor is left";
 constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
 
 }  // namespace
@@ -39,7 +41,7 @@ Connections::Connections(boost::asio::any_io_executor executor, const config::Mo
       writers_(settings.write_from, "[modbus] write_from"),
       units_(units),
       log_(std::move(notices)),
-      owner_{.take = [this](tcp::socket socket) { take(std::move(socket)); },
+      owner_{.take = [this](tcp::socket socket, bool last) { take(std::move(socket), last); },
              .spawn = [this](awaitable<void> work) { spawn(std::move(work)); },
              .log = log_},
       housekeeping_(executor_),
@@ -99,16 +101,16 @@ void Connections::on_end() {
   }
 }
 
-void Connections::take(tcp::socket socket) {
+void Connections::take(tcp::socket socket, bool last) {
   error_code failed;
   const tcp::endpoint remote = socket.remote_endpoint(failed);
   if (failed || stopping_) {
     return;
   }
   const boost::asio::ip::address address = plain_address(remote.address());
-  if (const char* const why = refusal(address)) {
+  if (const char* const why = refusal(address, last)) {
     // Accepted and closed at once: the client learns it now and does not wait in the backlog until its own timeout.
-    units_.gateway().set_refused(++refused_);
+    count_refused();
     log_.warn(address.to_string(), why);
     socket.shutdown(tcp::socket::shutdown_both, failed);
     return;
@@ -117,7 +119,11 @@ void Connections::take(tcp::socket socket) {
   serve(std::move(socket), address);
 }
 
-const char* Connections::refusal(const boost::asio::ip::address& address) {
+void Connections::count_refused() {
+  units_.gateway().set_refused(++refused_);
+}
+
+const char* Connections::refusal(const boost::asio::ip::address& address, bool last) {
   if (!readers_.contains(address)) {
     return "refused: [modbus] read_from does not name it";
   }
@@ -130,12 +136,19 @@ const char* Connections::refusal(const boost::asio::ip::address& address) {
       clients.push_back(&client);
     }
   }
-  const Admission admission = admit({.address = address, .may_write = writers_.contains(address)}, callers,
-                                    settings_.max_clients, canopen::Clock::now());
-  if (admission.instead_of) {
-    clients[*admission.instead_of]->close("disconnected: made room for a client of write_from");
+  if (last && callers.empty()) {
+    return kNoDescriptor;
   }
-  return admission.refusal;
+  // With the last descriptor the server is as full as with max_clients.
+  const std::size_t room = last ? std::min(settings_.max_clients, callers.size()) : settings_.max_clients;
+  const Admission admission =
+      admit({.address = address, .may_write = writers_.contains(address)}, callers, room, canopen::Clock::now());
+  if (admission.instead_of) {
+    Client& leaves = *clients[*admission.instead_of];
+    leaves.close(leaves.from() == address ? "disconnected: made room for a newer connection of its address"
+                                          : "disconnected: made room for a client of write_from");
+  }
+  return admission.refusal != nullptr && last ? kNoDescriptor : admission.refusal;
 }
 
 void Connections::serve(tcp::socket socket, const boost::asio::ip::address& address) {
@@ -159,6 +172,11 @@ void Connections::serve(tcp::socket socket, const boost::asio::ip::address& addr
 void Connections::tell_end(const Client& client) {
   if (client.sent_garbage()) {
     log_.warn(client.address(), "disconnected: what it sent is no Modbus TCP");
+  } else if (client.came_late()) {
+    count_refused();
+    log_.warn(client.address(),
+              "refused: its first request waited for longer than a second before it could be taken; nothing of it was "
+              "carried out");
   } else {
     log_.info(client.address(), client.ended() == nullptr ? "has left" : client.ended());
   }

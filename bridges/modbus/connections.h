@@ -37,9 +37,10 @@ class Connections {
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
  private:
-  void take(boost::asio::ip::tcp::socket socket);
+  void take(boost::asio::ip::tcp::socket socket, bool last);
   /// Nothing: it may stay; whoever makes room for it is gone then. Else why not.
-  [[nodiscard]] const char* refusal(const boost::asio::ip::address& address);
+  [[nodiscard]] const char* refusal(const boost::asio::ip::address& address, bool last);
+  void count_refused();
   void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
   void tell_end(const Client& client);
   boost::asio::awaitable<void> keep_house();

@@ -1,13 +1,19 @@
 #include "bridges/modbus/drive_unit.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "bridges/modbus/mbap.h"
 #include "bridges/modbus/words.h"
 #include "bridges/process/answer.h"
+#include "canopen/hex.h"
 
 namespace modbus {
 namespace {
+
+// Values of a refused write that the log names.
+constexpr std::size_t kMostShown = 8;
 
 // Bits of a command make no command.
 std::optional<std::uint16_t> nmt_number(const Request& request) {
@@ -21,13 +27,36 @@ bool writes_nmt(const Request& request) {
   return !request.of_bits() && request.write == Range{.address = kNmtCommandRegister, .quantity = 1};
 }
 
-// For log and journal; the client hears the exception alone.
-canopen::Error mistake_of(Exception planned, const Request& request) {
+std::string where_of(const Request& request) {
   const std::uint32_t last = std::uint32_t{request.write.address} + request.write.quantity - 1;
   std::string where = (request.of_bits() ? "coil " : "register ") + std::to_string(request.write.address);
   if (request.write.quantity > 1) {
     where += " to " + std::to_string(last);
   }
+  return where;
+}
+
+std::string hex_text(std::uint16_t value, unsigned digits) {
+  return "0x" + canopen::hex(value, digits);
+}
+
+// `register 100 to 101: 0x0001 0x1388`
+std::string asked_by(const Request& request) {
+  if (request.function == Function::mask_write_register) {
+    return where_of(request) + ": and " + hex_text(request.and_mask, 4) + ", or " + hex_text(request.or_mask, 4);
+  }
+  std::string text = where_of(request) + ":";
+  const std::size_t width = request.of_bits() ? 1 : 2;
+  const std::size_t shown = std::min(request.values.size(), kMostShown * width);
+  for (std::size_t i = 0; i + width <= shown; i += width) {
+    text += ' ' + (width == 1 ? hex_text(request.values[i], 2) : hex_text(word_at(request.values, i), 4));
+  }
+  return shown < request.values.size() ? text + " ..." : text;
+}
+
+// For log and journal; the client hears the exception alone.
+canopen::Error mistake_of(Exception planned, const Request& request) {
+  const std::string where = where_of(request);
   if (planned == Exception::illegal_address) {
     return {.kind = canopen::ErrorKind::read_only, .detail = where + " is not there, not all of a value, or read only"};
   }
@@ -200,6 +229,7 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
 Exception DriveUnit::note_refused(const Request& request, process::Origin origin, canopen::Error why) {
   using Kind = process::CommandRecord::Kind;
   const Kind kind = writes_nmt(request) ? Kind::nmt : Kind::write;
+  why.detail += "; asked was " + asked_by(request);
   return exception_of(drive().refuse(std::move(origin), kind, std::move(why)).error());
 }
 

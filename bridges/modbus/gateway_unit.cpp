@@ -76,8 +76,12 @@ boost::asio::awaitable<std::optional<Exception>> GatewayUnit::write(Request requ
   co_return missed.empty() ? std::nullopt : std::optional(Exception::no_response);
 }
 
+bool GatewayUnit::is_stop(const Request& request) {
+  return writes_stop_register(request) && !is_zero(request);
+}
+
 void GatewayUnit::note_refused(const Request& request, const process::Origin& origin, const canopen::Error& why) {
-  if (writes_stop_register(request) && !is_zero(request)) {
+  if (is_stop(request)) {
     process::refuse_stop_all(plant_, origin, why);
   }
 }

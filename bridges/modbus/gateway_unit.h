@@ -34,6 +34,8 @@ class GatewayUnit {
                                                         std::span<std::uint16_t> out) const;
   [[nodiscard]] std::optional<Exception> read_bits(Range range, std::span<std::uint8_t> out) const;
 
+  /// It is a stop for all.
+  [[nodiscard]] static bool is_stop(const Request& request);
   /// Nothing: every drive of this writer confirmed its stop. What request.values points to outlives the call.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(Request request, process::Origin origin);
   /// A write that is refused before it is looked at: of a stop for all each drive notes it.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <string_view>
 
 #include "bridges/modbus/mbap.h"
@@ -82,26 +83,29 @@ EncapsulatedAnswer individual(std::uint8_t id, std::span<const IdentityObject> o
   return answer;
 }
 
-EncapsulatedAnswer stream(ReadCode code, std::uint8_t from, std::span<const IdentityObject> objects) {
-  const auto end =
-      std::ranges::find_if(objects, [&](const IdentityObject& object) { return number_of(object) > last_id_of(code); });
-  auto next =
-      std::find_if(objects.begin(), end, [&](const IdentityObject& object) { return number_of(object) == from; });
-  if (next == end) {
-    next = objects.begin();  // What the standard asks for an id that is not known.
+EncapsulatedAnswer stream(ReadCode code, std::uint8_t from, std::span<const IdentityObject> known) {
+  std::vector<IdentityObject> objects;
+  std::ranges::copy_if(known, std::back_inserter(objects), [code](const IdentityObject& object) {
+    return number_of(object) <= last_id_of(code) && std::holds_alternative<std::string>(object.text);
+  });
+  // From one that cannot be told now the stream goes on behind it, and begins anew where nothing follows: an answer
+  // without an object is none.
+  auto next = objects.begin();
+  if (std::ranges::count(known, from, number_of) != 0) {
+    next = std::ranges::find_if(objects, [from](const IdentityObject& object) { return number_of(object) >= from; });
+  }
+  if (next == objects.end()) {
+    next = objects.begin();  // What the standard asks for an id that is not known, too.
   }
   std::vector<std::uint8_t> answer = identity_head(code);
-  for (; next != end; ++next) {
-    const auto* const text = std::get_if<std::string>(&next->text);
-    if (text == nullptr) {
-      continue;
-    }
-    if (answer.size() + kObjectHead + length_of(*text) > kMaxPdu) {
+  for (; next != objects.end(); ++next) {
+    const std::string& text = std::get<std::string>(next->text);
+    if (answer.size() + kObjectHead + length_of(text) > kMaxPdu) {
       answer[kMoreAt] = kMore;
       answer[kNextAt] = number_of(*next);
       break;
     }
-    append(answer, *next, *text);
+    append(answer, *next, text);
   }
   return answer;
 }

@@ -12,6 +12,8 @@
 #include <chrono>
 #include <utility>
 
+#include "bridges/modbus/look_up.h"
+
 namespace modbus {
 
 using boost::asio::awaitable;
@@ -26,8 +28,7 @@ constexpr unsigned kFirstOrdinaryPort = 1024;
 constexpr canopen::Duration kFirstRetry = std::chrono::seconds(1);
 constexpr canopen::Duration kLastRetry = std::chrono::seconds(30);
 
-// After a failed accept (no descriptor left), so that the loop does not spin on it. Who connects waits meanwhile in the
-// system's queue, and is served once there is one.
+// After a failed accept, so that the loop does not spin on it. Who connects waits meanwhile in the system's queue.
 constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
 
 std::string text_of(const config::Endpoint& entry) {
@@ -63,24 +64,19 @@ bool is_of_no_use(const error_code& cause) {
   return cause == boost::asio::error::address_family_not_supported || is_absent(cause);
 }
 
-}  // namespace
+bool has_no_descriptor(const error_code& cause) {
+  return cause == boost::asio::error::no_descriptors || cause == error_code(ENFILE, boost::system::system_category());
+}
 
-// The system's resolver cannot be interrupted and may take half a minute, so whoever asked does not stay for the
-// answer.
-struct Listener::Question {
-  explicit Question(const boost::asio::any_io_executor& executor) : answered(executor, canopen::TimePoint::max()) {}
-  canopen::Timer answered;
-  error_code failed = boost::asio::error::operation_aborted;
-  Endpoints endpoints;
-};
+}  // namespace
 
 Listener::Listener(boost::asio::any_io_executor executor, const config::Endpoint& entry, Owner& owner)
     : executor_(std::move(executor)),
       entry_(entry),
       owner_(owner),
       name_(text_of(entry)),
-      resolver_(executor_),
-      retry_(executor_) {}
+      retry_(executor_),
+      answered_(executor_) {}
 
 std::optional<tcp::endpoint> Listener::numeric() const {
   error_code failed;
@@ -93,7 +89,7 @@ void Listener::start(std::optional<tcp::acceptor> passed) {
   if (passed) {
     error_code failed;
     serve(passed->local_endpoint(failed), std::move(*passed));
-    owner_.log.info(name_, "listening on the socket that the service manager passed");
+    owner_.log.own_info(name_, "listening on the socket that the service manager passed");
   } else if (!at || !open({*at})) {
     owner_.spawn(open_in_time(at.has_value()));
   }
@@ -107,9 +103,7 @@ void Listener::close() {
     socket.pause.cancel();
   }
   retry_.cancel();
-  if (question_) {
-    question_->answered.cancel();
-  }
+  answered_.cancel();
 }
 
 std::uint16_t Listener::port() const {
@@ -139,23 +133,20 @@ awaitable<Listener::Endpoints> Listener::resolve() {
   if (const std::optional<tcp::endpoint> at = numeric()) {
     co_return Endpoints{*at};
   }
-  question_ = std::make_shared<Question>(executor_);
-  resolver_.async_resolve(
-      entry_.host, std::to_string(entry_.port), tcp::resolver::passive,
-      [asked = std::weak_ptr(question_)](const error_code& failed, const tcp::resolver::results_type& found) {
-        if (const auto question = asked.lock()) {
-          question->failed = failed;
-          question->endpoints.assign(found.begin(), found.end());
-          question->answered.cancel();
-        }
-      });
+  error_code failed = boost::asio::error::operation_aborted;
+  Endpoints found;
+  answered_.expires_at(canopen::TimePoint::max());
+  const LookUp asked(executor_, entry_.host, entry_.port, [&](const error_code& why, Endpoints endpoints) {
+    failed = why;
+    found = std::move(endpoints);
+    answered_.cancel();
+  });
   error_code ignored;
-  co_await question_->answered.async_wait(redirect_error(use_awaitable, ignored));
-  const std::shared_ptr<Question> question = std::exchange(question_, nullptr);
-  if (question->failed && !closed_) {
-    warn_once(question->failed);
+  co_await answered_.async_wait(redirect_error(use_awaitable, ignored));
+  if (failed && !closed_) {
+    warn_once(failed);
   }
-  co_return std::move(question->endpoints);
+  co_return std::move(found);
 }
 
 bool Listener::open(const Endpoints& endpoints) {
@@ -180,7 +171,7 @@ bool Listener::open(const Endpoints& endpoints) {
     warn_once(worst);
     return false;
   }
-  owner_.log.info(name_, "listening");
+  owner_.log.own_info(name_, "listening");
   return true;
 }
 
@@ -202,9 +193,9 @@ std::optional<tcp::acceptor> Listener::bind(const tcp::endpoint& at, error_code&
     ::setsockopt(acceptor.native_handle(), IPPROTO_IP, IP_FREEBIND, &on, sizeof on);
     acceptor.bind(at, failed);
     if (!failed) {
-      owner_.log.warn(name_,
-                      "this machine does not have the address (`ip address` shows which it has); it is served "
-                      "as soon as it does");
+      owner_.log.own_warn(name_,
+                          "this machine does not have the address (`ip address` shows which it has); it is served "
+                          "as soon as it does");
     }
   }
   if (!failed) {
@@ -223,20 +214,49 @@ awaitable<void> Listener::accept_from(Socket& socket) {
     error_code failed;
     tcp::socket client = co_await socket.acceptor.async_accept(redirect_error(use_awaitable, failed));
     if (!failed) {
-      owner_.take(std::move(client));
-    } else if (!closed_ && failed != boost::asio::error::connection_aborted) {
-      owner_.log.warn(name_, "cannot take a connection: " + failed.message() +
-                                 "; who connects waits until descriptors or memory are free");
-      socket.pause.expires_after(kAcceptPause);
-      co_await socket.pause.async_wait(redirect_error(use_awaitable, failed));
+      owner_.spare.keep();
+      owner_.take(std::move(client), false);
+      continue;
     }
+    if (closed_ || failed == boost::asio::error::connection_aborted) {
+      continue;
+    }
+    if (has_no_descriptor(failed)) {
+      owner_.log.own_warn(name_, "no descriptor is left (" + failed.message() +
+                                     "): who connects is refused, but for those who may take another's place");
+      if (take_last(socket)) {
+        continue;
+      }
+    } else {
+      const bool no_memory = failed == boost::asio::error::no_buffer_space || failed == boost::asio::error::no_memory;
+      owner_.log.own_warn(name_, "cannot take a connection: " + failed.message() +
+                                     (no_memory ? "; who connects waits until memory is free" : "; it is tried again"));
+    }
+    socket.pause.expires_after(kAcceptPause);
+    co_await socket.pause.async_wait(redirect_error(use_awaitable, failed));
   }
+}
+
+bool Listener::take_last(Socket& socket) {
+  if (!owner_.spare.release()) {
+    owner_.spare.keep();
+    return false;
+  }
+  error_code failed;
+  socket.acceptor.non_blocking(true, failed);
+  tcp::socket client = socket.acceptor.accept(failed);
+  const bool taken = !failed;
+  if (taken) {
+    owner_.take(std::move(client), true);
+  }
+  owner_.spare.keep();
+  return taken;
 }
 
 void Listener::warn_once(const error_code& cause) {
   std::string text = "cannot listen: " + cause.message() + "; " + remedy(cause, entry_) + ". It is tried again";
   if (text != told_) {
-    owner_.log.warn(name_, text);
+    owner_.log.own_warn(name_, text);
     told_ = std::move(text);
   }
 }

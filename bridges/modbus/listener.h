@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bridges/modbus/connection_log.h"
+#include "bridges/modbus/spare_descriptor.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
@@ -23,10 +23,12 @@ class Listener {
  public:
   /// What it needs of its owner, who outlives it.
   struct Owner {
-    std::function<void(boost::asio::ip::tcp::socket)> take;
+    /// The flag: it has the last descriptor, so it may stay only in another's place.
+    std::function<void(boost::asio::ip::tcp::socket, bool)> take;
     /// Runs what is handed over; close() makes it return soon.
     std::function<void(boost::asio::awaitable<void>)> spawn;
     ConnectionLog& log;
+    SpareDescriptor spare{};
   };
 
   /// `entry` outlives it.
@@ -50,7 +52,6 @@ class Listener {
     canopen::Timer pause;
   };
   using Endpoints = std::vector<boost::asio::ip::tcp::endpoint>;
-  struct Question;
 
   boost::asio::awaitable<void> open_in_time(bool tried);
   boost::asio::awaitable<Endpoints> resolve();
@@ -60,6 +61,8 @@ class Listener {
                                                                    boost::system::error_code& failed);
   void serve(const boost::asio::ip::tcp::endpoint& asked_for, boost::asio::ip::tcp::acceptor acceptor);
   boost::asio::awaitable<void> accept_from(Socket& socket);
+  /// With the spare descriptor; true: somebody was taken.
+  [[nodiscard]] bool take_last(Socket& socket);
   void warn_once(const boost::system::error_code& cause);
 
   boost::asio::any_io_executor executor_;
@@ -67,9 +70,8 @@ class Listener {
   Owner& owner_;
   std::string name_;  ///< `0.0.0.0:502`, `[::]:502`
   std::list<Socket> sockets_;
-  boost::asio::ip::tcp::resolver resolver_;
   canopen::Timer retry_;
-  std::shared_ptr<Question> question_;
+  canopen::Timer answered_;
   std::string told_;
   bool closed_ = false;
 };

@@ -52,9 +52,9 @@ PassedSockets::PassedSockets(const boost::asio::any_io_executor& executor, std::
     if (protocol && !failed) {
       acceptors_.push_back(std::move(acceptor));
     } else {
-      log_.warn("descriptor " + std::to_string(descriptor),
-                "the service manager passed it, but it is no listening TCP socket, so it is closed; [Socket] needs "
-                "ListenStream= with an address and a port");
+      log_.own_warn("descriptor " + std::to_string(descriptor),
+                    "the service manager passed it, but it is no listening TCP socket, so it is closed; [Socket] needs "
+                    "ListenStream= with an address and a port");
       ::close(descriptor);
     }
   }
@@ -76,9 +76,11 @@ std::optional<tcp::acceptor> PassedSockets::take(const tcp::endpoint& at) {
 
 void PassedSockets::close_rest() {
   for (const tcp::acceptor& acceptor : acceptors_) {
-    log_.warn(text_of(acceptor),
-              "the service manager passed a socket for it, but [modbus] listen has no entry with just this address and "
-              "port, so it is closed; add the entry, or mend ListenStream= of the socket unit");
+    log_.own_warn(
+        text_of(acceptor),
+        "the service manager passed a socket for it, but [modbus] listen has no entry with just this address and "
+        "port, so it is closed; add the entry, or mend ListenStream= of the socket unit (a port alone is [::] and, "
+        "without BindIPv6Only=ipv6-only, keeps 0.0.0.0 from being bound: write ListenStream=0.0.0.0:PORT)");
   }
   acceptors_.clear();
 }

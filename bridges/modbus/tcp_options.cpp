@@ -6,6 +6,8 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include "bridges/modbus/tcp_state.h"
+
 namespace modbus {
 namespace {
 
@@ -31,12 +33,6 @@ bool has_unacknowledged(tcp::socket& socket) {
   return ::ioctl(socket.native_handle(), SIOCOUTQ, &count) == 0 && count != 0;
 }
 
-bool has_some_on_its_way(tcp::socket& socket) {
-  tcp_info info{};
-  socklen_t size = sizeof info;
-  return ::getsockopt(socket.native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || info.tcpi_unacked != 0;
-}
-
 }  // namespace
 
 void prepare(tcp::socket& socket) {
@@ -48,12 +44,16 @@ void prepare(tcp::socket& socket) {
   set_integer(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnacknowledgedMilliseconds);
 }
 
+canopen::Duration silence(tcp::socket& socket) {
+  return milliseconds_since_received(socket.native_handle()).value_or(std::chrono::milliseconds(0));
+}
+
 void SlowReader::look(tcp::socket& socket) {
   if (!may_wait_) {
     return;
   }
   may_wait_ = has_unacknowledged(socket);
-  const bool is_shut = may_wait_ && !has_some_on_its_way(socket);
+  const bool is_shut = may_wait_ && has_shut_window(socket.native_handle());
   if (is_shut != spared_) {
     set_integer(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, is_shut ? 0 : kUnacknowledgedMilliseconds);
     spared_ = is_shut;

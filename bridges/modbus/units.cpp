@@ -54,7 +54,7 @@ bool Units::is_stop(std::uint8_t unit, const Request& request) const {
   if (is_flat(unit)) {
     return flat_.is_stop(request);
   }
-  return !is_gateway(unit) && by_id_[unit]->is_stop(request);
+  return is_gateway(unit) ? GatewayUnit::is_stop(request) : by_id_[unit]->is_stop(request);
 }
 
 void Units::note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why) {

@@ -31,7 +31,7 @@ class Units {
                                               Snapshot& into) const;
   /// A client of `write_from` asked this unit for `request`, whatever that is. The unit exists.
   void sign_of_life(std::uint8_t unit, const Request& request, const process::Writer& writer);
-  /// The request stops a drive.
+  /// The request stops a drive, or all.
   [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
   /// A write that is refused before its unit sees it: the drive notes it, of a stop for all each.
   void note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why);

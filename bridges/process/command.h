@@ -19,7 +19,8 @@ namespace process {
 struct Origin {
   Writer writer;
   std::string id{};                                        ///< Given by the client; empty: the arbiter makes one.
-  canopen::TimePoint received = canopen::Clock::now();     ///< The deadline counts from here.
+  canopen::TimePoint received = canopen::Clock::now();     ///< Not earlier; the deadline counts from here.
+  canopen::TimePoint received_until{};                     ///< Not later, where that is not the same moment.
   canopen::TimePoint expires = canopen::TimePoint::max();  ///< Not begun by then: `expired`.
 };
 

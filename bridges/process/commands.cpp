@@ -113,8 +113,10 @@ awaitable<Outcome> Commands::write_in_turn(PendingCommand& command, std::vector<
   if (checked.has_error()) {
     co_return checked.error();
   }
-  if (Refusal refused = refuse_unreachable()) {
-    co_return *std::move(refused);
+  Refusal unfit = refuse_unreachable();
+  unfit = unfit ? unfit : refuse_older_than_stop(command);
+  if (unfit) {
+    co_return *std::move(unfit);
   }
   accept(command);
   supersede_older(command, checked.value());
@@ -250,6 +252,7 @@ awaitable<Outcome> Commands::send_raw(PendingCommand& command) {
   refused = refused ? refused : refuse_lease(command);
   refused = refused ? refused : refuse_raw(model_, value.object);
   refused = refused ? refused : refuse_unreachable();
+  refused = refused ? refused : refuse_older_than_stop(command);
   if (refused) {
     co_return *std::move(refused);
   }

@@ -137,6 +137,7 @@ class Commands {
   [[nodiscard]] Refusal refuse_lease(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_out_of_service() const;
   [[nodiscard]] Refusal refuse_unreachable() const;
+  [[nodiscard]] Refusal refuse_older_than_stop(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_waiting(const PendingCommand& command) const;
   [[nodiscard]] Refusal refuse_for_time(const PendingCommand& command) const;
   void accept(const PendingCommand& command);
@@ -236,8 +237,9 @@ class Commands {
 
   std::string id_prefix_;  ///< Of what the client gave no id: unique over restarts, so that the journal is found by it.
   std::uint64_t arrivals_ = 0;
-  std::uint64_t last_stop_ = 0;       ///< Number of the newest stop.
-  std::string last_stop_text_;        ///< What it wrote.
+  std::uint64_t last_stop_ = 0;                                       ///< Number of the newest stop.
+  canopen::TimePoint last_stop_arrived_ = canopen::TimePoint::min();  ///< Of all stops the latest.
+  std::string last_stop_text_;                                        ///< What it wrote.
   std::uint64_t last_left_stop_ = 0;  ///< The newest stop that is on the bus, or may be.
   std::uint32_t last_refused_abort_ = 0;
   std::size_t last_written_ = 0;

@@ -31,6 +31,7 @@ PendingCommand Commands::arrive(Origin origin, CommandRecord::Kind kind) {
   command.record.drive = &model_;
   command.record.arrived = origin.received;
   command.record.wall = canopen::wall_now();
+  command.arrived_until = std::max(origin.received, origin.received_until);
   command.number = ++arrivals_;
   if (command.record.id.empty()) {
     command.record.id = id_prefix_ + "-" + std::to_string(command.number);
@@ -196,6 +197,16 @@ Commands::Refusal Commands::refuse_unreachable() const {
   return std::nullopt;
 }
 
+/// It may have come here late: a bridge that carries out the requests of a connection one by one takes it up when those
+/// before it are answered, and by then a stop of another way is long confirmed.
+Commands::Refusal Commands::refuse_older_than_stop(const PendingCommand& command) const {
+  const bool may_move = command.use != ControlUse::none || command.record.kind == CommandRecord::Kind::raw;
+  if (may_move && (command.number < last_stop_ || command.record.arrived < last_stop_arrived_)) {
+    return error(ErrorKind::superseded, "a stop came after it: " + last_stop_text_);
+  }
+  return std::nullopt;
+}
+
 /// What a command was given for may be over while it waits.
 Commands::Refusal Commands::refuse_waiting(const PendingCommand& command) const {
   if (closed_) {
@@ -204,9 +215,8 @@ Commands::Refusal Commands::refuse_waiting(const PendingCommand& command) const 
   if (command.ended) {
     return command.ended;
   }
-  const bool may_move = command.use != ControlUse::none || command.record.kind == CommandRecord::Kind::raw;
-  if (may_move && command.number < last_stop_) {
-    return error(ErrorKind::superseded, "a stop came after it: " + last_stop_text_);
+  if (Refusal refused = refuse_older_than_stop(command)) {
+    return refused;
   }
   const std::string_view over = commanded_.control_void_since(command.epoch);
   if (command.use != ControlUse::none && !over.empty()) {

@@ -104,6 +104,7 @@ bool Commands::asks_control(const PendingCommand& command, canopen::Raw raw) con
 /// stop.
 void Commands::go_first(const PendingCommand& stop, canopen::Raw raw) {
   last_stop_ = stop.number;
+  last_stop_arrived_ = std::max(last_stop_arrived_, stop.arrived_until);
   last_stop_text_ = "control_command " + std::to_string(raw) + " of " + to_string(stop.record.writer);
   for (PendingCommand* older : stops_.all()) {
     const bool equal = asks_control(*older, raw);

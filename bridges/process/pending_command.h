@@ -20,6 +20,7 @@ namespace process {
 struct PendingCommand {
   CommandRecord record;
   std::uint64_t number = 0;  ///< In order of arrival.
+  canopen::TimePoint arrived_until{};  ///< record.arrived, or where that is not sure, the latest it may have been.
   canopen::TimePoint deadline{};
   canopen::TimePoint expires = canopen::TimePoint::max();
   Commanded::Epoch epoch = 0;  ///< At its arrival.

@@ -213,6 +213,12 @@ Form<Network> network() {
           }};
 }
 
+bool is_link_local(const Endpoint& endpoint) {
+  error_code failed;
+  const auto address = ip::make_address_v6(endpoint.host, failed);
+  return !failed && address.is_link_local();
+}
+
 bool covers(const Endpoint& outer, const Endpoint& inner) {
   if (outer.port != inner.port) {
     return false;

@@ -18,6 +18,9 @@ namespace config {
 /// `10.0.0.0/8`, `::1/128`, or one address; without bits beyond its prefix, and no IPv4 in the clothes of IPv6.
 [[nodiscard]] Form<Network> network();
 
+/// An address of one link alone (RFC 4291, section 2.5.6): fe80::/10.
+[[nodiscard]] bool is_link_local(const Endpoint& endpoint);
+
 /// A socket bound to `outer` takes the connections to `inner`, too.
 [[nodiscard]] bool covers(const Endpoint& outer, const Endpoint& inner);
 /// Every address of `inner` is one of `outer`.

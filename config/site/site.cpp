@@ -76,6 +76,17 @@ void check_listen(const Node& table, Report& report) {
   }
 }
 
+/// A link-local address is one only together with an interface, which an entry does not name: bind() answers EINVAL.
+void check_link_local(const Node& table, Report& report) {
+  for (const auto& [entry, item] : good_items(table, "listen", endpoint())) {
+    if (is_link_local(entry)) {
+      report.error(item->place, "modbus.listen " + in_quotes(item->text) +
+                                    " is a link-local address and can never be bound without its interface; take "
+                                    "another address of this machine, or [::] for all");
+    }
+  }
+}
+
 /// Clients that cannot connect cannot write, whatever write_from says of them.
 void check_access(const Node& table, const Modbus& modbus, Report& report) {
   if (modbus.read_from.empty()) {
@@ -138,6 +149,7 @@ std::optional<Modbus> read_modbus(const Node& root, Report& report) {
                    "modbus.on_stale = \"zero\" shows a lost drive as one that stands still");
   }
   check_listen(*table, report);
+  check_link_local(*table, report);
   check_access(*table, modbus, report);
   return modbus;
 }

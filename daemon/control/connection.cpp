@@ -64,6 +64,8 @@ awaitable<void> Connection::read_lines() {
       break;
     }
     active_ = canopen::Clock::now();
+    // Of all lines in it: others are served between two of them.
+    read_at_ = active_;
     received_.append(buffer.data(), count);
     co_await begin_whole_lines();
     if (received_.size() > kMaxLine) {
@@ -114,10 +116,8 @@ void Connection::begin(std::string_view text) {
     return;
   }
   ++under_way_;
-  spawn(carry_out({.request = std::move(line.request.value()),
-                   .id = std::move(line.id),
-                   .user = user_,
-                   .received = canopen::Clock::now()}));
+  spawn(carry_out(
+      {.request = std::move(line.request.value()), .id = std::move(line.id), .user = user_, .received = read_at_}));
 }
 
 awaitable<void> Connection::carry_out(Asked asked) {

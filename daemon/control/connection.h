@@ -56,6 +56,7 @@ class Connection {
   std::size_t running_ = 0;    ///< Coroutines but serve().
   canopen::Timer all_ended_;
   canopen::TimePoint active_;
+  canopen::TimePoint read_at_{};  ///< When the bytes at hand came.
 };
 
 }  // namespace gateway::control

@@ -146,6 +146,8 @@ TEST(ModbusServer, RefusesAddressesThatAreNone) {
   EXPECT_THAT(error_of(site + "listen = [\"::1:502\"]\n"), HasSubstr("must be an address and a port"));
   EXPECT_THAT(error_of(site + "listen = [\"a:70000\"]\n"), HasSubstr("must be an address and a port"));
   EXPECT_THAT(error_of(site + "listen = []\n"), HasSubstr("modbus.listen is empty"));
+  EXPECT_THAT(error_of(site + "listen = [\"[fe80::1]:502\"]\n"),
+              HasSubstr("8:11: error: modbus.listen \"[fe80::1]:502\" is a link-local address"));
   for (const auto* const host : {"300.0.0.1", "192.168.1", "0x7f.1", "0x7f000001", "-", "a..b", "-a", "224.0.0.1",
                                  "255.255.255.255", "[::ffff:127.0.0.1]", "[fe80::1%eth0]", "[ff02::1]", "[1.2.3.4]"}) {
     EXPECT_THAT(error_of(site + "listen = [\"" + host + ":502\"]\n"), HasSubstr("must be an address and a port"))

@@ -42,6 +42,15 @@ TEST(Admission, HalfOfTheRoomForOneAddress) {
   EXPECT_EQ(admit(reader(1), std::vector<Caller>{}, 1, kNow).refusal, nullptr);
 }
 
+TEST(Admission, AnAddressWithHalfOfTheRoomReplacesWhatItForgotItself) {
+  const std::vector forgotten{writer(1, 60), reader(2, 900), writer(1, 61), writer(2, 900)};
+  EXPECT_EQ(admit(writer(1), forgotten, 4, kNow).instead_of, 2U);
+  EXPECT_EQ(admit(writer(1), forgotten, 4, kNow).refusal, nullptr);
+  EXPECT_NE(admit(writer(1), std::vector{writer(1, 59), reader(2, 900), writer(1, 59)}, 4, kNow).refusal, nullptr);
+  EXPECT_EQ(admit(reader(1), std::vector{reader(1, 70), reader(1, 60)}, 4, kNow).instead_of, 0U);
+  EXPECT_NE(admit(reader(1), std::vector{commanding(reader(1)), reader(1, 1)}, 4, kNow).refusal, nullptr);
+}
+
 TEST(Admission, AFullServerRefusesWhoMayOnlyRead) {
   EXPECT_NE(admit(reader(9), std::vector{reader(1, 500), reader(2, 500)}, 2, kNow).refusal, nullptr);
 }

@@ -78,6 +78,26 @@ TEST_F(ConnectionLogTest, OfCountlessAddressesTellsOnlyThatTheyCame) {
   EXPECT_THAT(warnings(), ElementsAre("Modbus: fresh: refused")) << "a minute later there is room again";
 }
 
+TEST_F(ConnectionLogTest, WhatTheServerSaysOfItselfIsToldBesideAnyNumberOfStrangers) {
+  for (int i = 0; i < 1000; ++i) {
+    log_.warn("192.0.2." + std::to_string(i), "refused");
+  }
+  (void)warnings();
+  log_.own_warn("0.0.0.0:502", "cannot take a connection");
+  log_.own_info("0.0.0.0:502", "listening");
+  log_.own_warn("0.0.0.0:502", "cannot take a connection");
+  EXPECT_THAT(warnings(), ElementsAre("Modbus: 0.0.0.0:502: cannot take a connection"));
+  EXPECT_THAT(infos(), ElementsAre("Modbus: 0.0.0.0:502: listening"));
+  advance_swept(121);
+  (void)warnings();
+  for (int i = 0; i < 256; ++i) {
+    log_.own_warn("0.0.0.0:" + std::to_string(i), "cannot take a connection");
+  }
+  EXPECT_EQ(warnings().size(), 256U);
+  log_.warn("192.0.2.7", "refused");
+  EXPECT_THAT(warnings(), ElementsAre("Modbus: 192.0.2.7: refused")) << "nor do they take the room of strangers";
+}
+
 TEST_F(ConnectionLogTest, WithNobodyToTellNothingIsKept) {
   ConnectionLog mute({});
   mute.warn("192.0.2.7", "refused");

@@ -83,6 +83,18 @@ TEST(Identification, AStreamFromAnUnknownIdBeginsAtTheFirst) {
   EXPECT_EQ(ask("2b 0e 03 85"), ask("2b 0e 03 00"));
 }
 
+TEST(Identification, AStreamFromOneThatIsNotToldAndHasNoneBehindItBeginsAtTheFirst) {
+  std::vector<IdentityObject> offline = kObjects;
+  for (IdentityObject& object : offline) {
+    if (object.id >= IdentityId::serial_number) {
+      object.text = Exception::no_response;
+    }
+  }
+  for (const char* const pdu : {"2b 0e 03 82", "2b 0e 03 83", "2b 0e 03 84"}) {
+    EXPECT_EQ(ask(pdu, offline), ask("2b 0e 03 00", offline)) << pdu;
+  }
+}
+
 TEST(Identification, OneObjectAlone) {
   EXPECT_EQ(ask("2b 0e 04 01"),
             "2b0e0483000001"

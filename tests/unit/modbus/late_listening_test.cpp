@@ -1,18 +1,57 @@
 // Listeners that cannot open their address at the start.
 
 #include <arpa/inet.h>
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <bit>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "tests/unit/modbus/site.h"
+
+namespace {
+
+/// Names of which the system has nothing to tell for long.
+struct SlowNames {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool held = false;  ///< Nobody is answered.
+  int asking = 0;
+};
+SlowNames slow_names;
+
+}  // namespace
+
+// Before that of the system, of which a test must not wait for a name server.
+extern "C" int getaddrinfo(const char* name, const char* service, const addrinfo* hints, addrinfo** found) noexcept {
+  const std::string_view asked(name == nullptr ? "" : name);
+  if (asked == "no-such-host.invalid") {
+    return EAI_NONAME;
+  }
+  if (asked == "slow.invalid") {
+    std::unique_lock lock(slow_names.mutex);
+    ++slow_names.asking;
+    slow_names.changed.notify_all();
+    // A test that fails must end, too.
+    slow_names.changed.wait_for(lock, std::chrono::seconds(10), [] { return !slow_names.held; });
+    --slow_names.asking;
+    slow_names.changed.notify_all();
+    return EAI_AGAIN;
+  }
+  using GetAddrInfo = int (*)(const char*, const char*, const addrinfo*, addrinfo**);
+  return std::bit_cast<GetAddrInfo>(::dlsym(RTLD_NEXT, "getaddrinfo"))(name, service, hints, found);
+}
 
 namespace {
 
@@ -102,6 +141,22 @@ TEST(LateListening, ANameThatNobodyKnowsIsToldOnceAndKeepsNothingBack) {
   EXPECT_EQ(site.noticed("the name must be known here"), 1U);
   site.loop().advance(seconds(1), seconds(1));
   site.stop_server();  // though the system may still be looking for that name
+}
+
+TEST(LateListening, EndsWhileTheSystemLooksForAName) {
+  slow_names.held = true;
+  auto site = std::make_unique<Site>(listening_on({{"slow.invalid", 1502}}));
+  {
+    std::unique_lock lock(slow_names.mutex);
+    EXPECT_TRUE(slow_names.changed.wait_for(lock, seconds(5), [] { return slow_names.asking == 1; }));
+  }
+  site->stop_server();
+  site.reset();  // and its loop
+  std::unique_lock lock(slow_names.mutex);
+  EXPECT_EQ(slow_names.asking, 1) << "nobody waited for the system";
+  slow_names.held = false;
+  slow_names.changed.notify_all();
+  EXPECT_TRUE(slow_names.changed.wait_for(lock, seconds(5), [] { return slow_names.asking == 0; }));
 }
 
 TEST(LateListening, EndsWhileItWaitsToTryAgain) {

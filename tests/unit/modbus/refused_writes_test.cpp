@@ -48,8 +48,10 @@ TEST_F(RefusedWrites, AnAddressThatTakesNoValueIsNoted) {
   EXPECT_EQ(ask("10 03e7 0002 04 00010002"), "90 02");
   EXPECT_EQ(lines_.told,
             (std::vector<std::string>{
-                "127.0.0.1: read-only, register 0 is not there, not all of a value, or read only",
-                "127.0.0.1: read-only, register 999 to 1000 is not there, not all of a value, or read only",
+                "127.0.0.1: read-only, register 0 is not there, not all of a value, or read only; "
+                "asked was register 0: 0x0001",
+                "127.0.0.1: read-only, register 999 to 1000 is not there, not all of a value, or read only; "
+                "asked was register 999 to 1000: 0x0001 0x0002",
             }));
   EXPECT_EQ(lines_.kinds, (std::vector<Kind>{Kind::write, Kind::write}));
 }
@@ -64,7 +66,8 @@ TEST_F(RefusedWrites, AWriteWhoseReadPartFailsIsNoted) {
   EXPECT_EQ(ask("17 2710 0001 012c 0001 02 1388"), "97 02");
   EXPECT_EQ(lines_.told,
             std::vector<std::string>{
-                "127.0.0.1: incomplete, what function 23 was to read cannot be read, so nothing was written"});
+                "127.0.0.1: incomplete, what function 23 was to read cannot be read, so nothing was written; "
+                "asked was register 300: 0x1388"});
   EXPECT_TRUE(site_.puppet().written.empty());
 }
 
@@ -85,7 +88,8 @@ class RefusedClients : public RefusedWrites {
 
 TEST_F(RefusedClients, AClientThatMayNotWriteIsNoted) {
   EXPECT_EQ(ask("06 012c 1388"), "86 01");
-  EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: forbidden, [modbus] write_from does not name it"});
+  EXPECT_EQ(lines_.told, std::vector<std::string>{"127.0.0.1: forbidden, [modbus] write_from does not name it; "
+                                                  "asked was register 300: 0x1388"});
   EXPECT_TRUE(site_.puppet().written.empty());
 }
 

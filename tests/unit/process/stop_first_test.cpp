@@ -44,6 +44,55 @@ TEST_F(StopFirstTest, SixtyFourWaitingCommandsDelayNoStop) {
   }
 }
 
+// A bridge that serves the requests of a connection one by one hands them over late.
+TEST_F(StopFirstTest, ARunThatWasReceivedBeforeAStopIsNotSentAfterIt) {
+  for (const Writer::Way way : {Writer::Way::modbus, Writer::Way::mqtt, Writer::Way::local}) {
+    bring_online();
+    const Origin earlier = origin(way);
+    run(10ms);
+    const Origin stopping = origin(Writer::Way::modbus);
+    run(10ms);
+    EXPECT_TRUE(finish(write_by(stopping, {field("control_command", kStop)})).has_value());
+    slave_.forget_heard();
+    const Outcome late = finish(write_by(earlier, {field("control_command", Raw{1})}));
+    expect_refused(late, ErrorKind::superseded);
+    EXPECT_NE(late.error().detail.find("control_command 5 of modbus 192.0.2.7"), std::string::npos);
+    model_.commands.raw = true;
+    slave_.set(kSlowObject, DataType::u16, 0);
+    expect_refused(
+        finish(support::spawn(loop_.executor(), drive_->sdo_write(earlier, {kSlowObject, DataType::u16, 1}))),
+        ErrorKind::superseded);
+    expect_silence();
+    EXPECT_TRUE(finish(write_by(earlier, {field("frequency_command", 10.0)})).has_value()) << "it moves nothing";
+    EXPECT_TRUE(finish(write_by(stopping, {field("control_command", Raw{1})})).has_value()) << "of the same moment";
+    EXPECT_TRUE(write_now({field("control_command", kStop)}).has_value());
+    EXPECT_TRUE(write_now({field("control_command", Raw{1})}).has_value()) << "given after the answer";
+    stop();
+  }
+}
+
+TEST_F(StopFirstTest, OfAStopWhoseMomentIsNotSureTheLatestCounts) {
+  bring_online();
+  Origin stopping = origin(Writer::Way::modbus);
+  run(10ms);
+  const Origin between = origin(Writer::Way::mqtt);
+  run(10ms);
+  stopping.received_until = canopen::Clock::now();
+  EXPECT_TRUE(finish(write_by(stopping, {field("control_command", kStop)})).has_value());
+  expect_refused(finish(write_by(between, {field("control_command", Raw{1})})), ErrorKind::superseded);
+}
+
+TEST_F(StopFirstTest, WhatIsRefusedAsOlderThanAStopTakesNoLease) {
+  model_.commands.lease = 10s;
+  bring_online();
+  const Origin earlier = origin(Writer::Way::mqtt);
+  run(10ms);
+  EXPECT_TRUE(write_now({field("control_command", kStop)}).has_value());
+  run(10s);
+  expect_refused(finish(write_by(earlier, {field("control_command", Raw{1})})), ErrorKind::superseded);
+  EXPECT_TRUE(write_now({field("control_command", Raw{1})}).has_value());
+}
+
 TEST_F(StopFirstTest, GoesWhereASetPointBesideItIsOutOfRangeAndTheLeaseIsForeign) {
   model_.commands.lease = 10s;
   model_.signals[signal("frequency_command")].min = 10.0;
