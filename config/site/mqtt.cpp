@@ -16,7 +16,7 @@
 namespace config {
 namespace {
 
-void check_brokers(const Node& table, Report& report) {
+void check_brokers(const Node& table, const Mqtt& mqtt, Report& report) {
   const Node* const list = table.find("brokers");
   if (list == nullptr || list->kind != NodeKind::list) {
     return;
@@ -25,6 +25,12 @@ void check_brokers(const Node& table, Report& report) {
     report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
   } else if (list->items.size() > 1) {
     report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
+  } else if (std::ranges::any_of(mqtt.brokers,
+                                 [](const Endpoint& each) { return each.tls && each.host.find(':') != std::string::npos; })) {
+    // Paho compares the certificate with the host in its brackets, which no certificate has.
+    report.error(list->items.front().place, "mqtt.brokers " + in_quotes(list->items.front().text) +
+                                                ": mqtts:// needs a name or an IPv4 address; name the broker as its "
+                                                "certificate does");
   }
 }
 
@@ -186,7 +192,7 @@ std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& dir
     return std::nullopt;
   }
   Mqtt mqtt = mqtt_section().read(*table);
-  check_brokers(*table, report);
+  check_brokers(*table, mqtt, report);
   check_base(*table, mqtt.base, report);
   check_answers(*table, mqtt.base, report);
   check_stale_payload(*table, mqtt, report);

@@ -231,6 +231,15 @@ TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
               HasSubstr("10:12: warning: mqtt.key_file \"" + file.string() + "\" can be read by everybody"));
 }
 
+TEST(MqttClient, RefusesTlsToAnIpv6AddressWhichNoCertificateCanBeFor) {
+  const std::string site = kBus + kDrive + "[mqtt]\n";
+  EXPECT_THAT(errors_of(load_site(site + "brokers = [\"mqtts://[2001:db8::1]:8883\"]\n")),
+              testing::ElementsAre(HasSubstr("8:12: error: mqtt.brokers \"mqtts://[2001:db8::1]:8883\": mqtts:// needs a "
+                                             "name or an IPv4 address; name the broker as its certificate does")));
+  EXPECT_TRUE(load_site(site + "brokers = [\"mqtts://192.0.2.1:8883\"]\n").model.has_value());
+  EXPECT_TRUE(load_site(site + "brokers = [\"mqtt://[2001:db8::1]:1883\"]\n").model.has_value());
+}
+
 TEST(MqttClient, LooksAtThePasswordFileWithoutReadingIt) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "looked-at-password";
   const std::string site = kBus + kDrive + "[mqtt]\nusername = \"u\"\npassword_file = \"" + file.string() + "\"\n";
