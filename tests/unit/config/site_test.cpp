@@ -231,6 +231,28 @@ TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
               HasSubstr("10:12: warning: mqtt.key_file \"" + file.string() + "\" can be read by everybody"));
 }
 
+TEST(MqttClient, AFileThatMayBeACredentialOfTheServiceIsAWarningUntilItIsUsed) {
+  const std::filesystem::path directory = std::filesystem::path(testing::TempDir()) / "mqtt-no-credentials";
+  std::filesystem::create_directories(directory);
+  LoadOptions options{.file = directory / "gateway.toml", .profile_dirs = {kProfiles}, .host_name = "host"};
+  const std::string site = kBus + kDrive +
+                           "[mqtt]\nbrokers = [\"mqtts://a:8883\"]\nusername = \"u\"\n"
+                           "password_file = \"secret\"\nca_file = \"ca.crt\"\n";
+  const Loaded checked = load_text(site, options);
+  EXPECT_TRUE(checked.model.has_value());
+  EXPECT_THAT(lines(checked.findings),
+              HasSubstr("10:17: warning: mqtt.password_file \"secret\" is not beside the configuration; a credential"));
+  EXPECT_THAT(lines(checked.findings), HasSubstr("11:11: warning: mqtt.ca_file \"ca.crt\" is not beside"));
+  options.with_secrets = true;
+  EXPECT_THAT(lines(load_text(site, options).findings),
+              HasSubstr("10:17: error: mqtt.password_file \"secret\" cannot be read: no such file"));
+  options.with_secrets = false;
+  ASSERT_EQ(setenv("CREDENTIALS_DIRECTORY", directory.c_str(), 1), 0);
+  const std::string in_the_service = lines(load_text(site, options).findings);
+  unsetenv("CREDENTIALS_DIRECTORY");
+  EXPECT_THAT(in_the_service, HasSubstr("10:17: error: mqtt.password_file \"secret\" cannot be read: no such file"));
+}
+
 TEST(MqttClient, RefusesTlsToAnIpv6AddressWhichNoCertificateCanBeFor) {
   const std::string site = kBus + kDrive + "[mqtt]\n";
   EXPECT_THAT(errors_of(load_site(site + "brokers = [\"mqtts://[2001:db8::1]:8883\"]\n")),
