@@ -1,0 +1,53 @@
+// The search for the cause why TLS fails, without a publisher.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "bridges/mqtt/tls_handshake.h"
+#include "tests/support/certificates.h"
+#include "tests/unit/mqtt/first_words.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using test::FirstWords;
+
+constexpr const char* kSilent = "does not answer the handshake; it may hang or be starting";
+
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+config::Endpoint broker_at(std::uint16_t port) {
+  return {.host = "localhost", .port = port, .tls = true};
+}
+
+TEST(TlsMistake, APortThatOnlyFallsSilentIsNoReasonToGoWithoutTls) {
+  const FirstWords silent;
+  const std::string mistake = tls_mistake(broker_at(silent.port()), {"127.0.0.1"}, {}, 200ms);
+  EXPECT_TRUE(says(mistake, kSilent)) << mistake;
+  EXPECT_FALSE(says(mistake, "mqtt://")) << mistake;
+}
+
+TEST(TlsMistake, FilesThatAreMissingAreToldInTheSystemsWords) {
+  std::string name = (std::filesystem::temp_directory_path() / "tls-mistake-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const support::Authority ours(name, "ours");
+  const support::Certificate client = ours.issue("client", "DNS:line3");
+  const std::string none = name + "/missing";
+  const std::string said = none + " cannot be read: No such file or directory; it must be there";
+  EXPECT_EQ(tls_files_mistake({.ca = none}).find("ca_file " + said), 0U) << tls_files_mistake({.ca = none});
+  EXPECT_EQ(tls_files_mistake({.cert = none, .key = client.key.string()}).find("cert_file " + said), 0U);
+  EXPECT_EQ(tls_files_mistake({.cert = client.cert.string(), .key = none}).find("key_file " + said), 0U);
+  EXPECT_EQ(tls_files_mistake({.cert = client.cert.string(), .key = client.key.string()}), "");
+  std::filesystem::remove_all(name);
+}
+
+}  // namespace
+}  // namespace mqtt
