@@ -4,8 +4,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <cstdint>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 
 #include "bridges/mqtt/tls_handshake.h"
@@ -33,6 +33,24 @@ TEST(TlsMistake, APortThatOnlyFallsSilentIsNoReasonToGoWithoutTls) {
   const std::string mistake = tls_mistake(broker_at(silent.port()), {"127.0.0.1"}, {}, 200ms);
   EXPECT_TRUE(says(mistake, kSilent)) << mistake;
   EXPECT_FALSE(says(mistake, "mqtt://")) << mistake;
+}
+
+// As Paho does it.
+TEST(TlsMistake, TheCauseIsLookedForAtIpv4AddressesFirst) {
+  const FirstWords six("::1");
+  const FirstWords four("127.0.0.1", six.port());
+  (void)tls_mistake(broker_at(six.port()), {"::1", "127.0.0.1"}, {}, 200ms);
+  EXPECT_TRUE(four.has_client());
+  EXPECT_FALSE(six.has_client());
+}
+
+TEST(TlsMistake, AnAddressThatNobodyAnswersAtLeavesTimeForTheNext) {
+  FirstWords full;
+  ASSERT_TRUE(full.fill());
+  EXPECT_EQ(tls_mistake(broker_at(full.port()), {"127.0.0.1"}, {}, 200ms), "");
+  const FirstWords next("127.0.0.2", full.port());
+  const std::string mistake = tls_mistake(broker_at(full.port()), {"127.0.0.1", "127.0.0.2"}, {}, 600ms);
+  EXPECT_TRUE(says(mistake, kSilent)) << mistake;
 }
 
 TEST(TlsMistake, FilesThatAreMissingAreToldInTheSystemsWords) {
