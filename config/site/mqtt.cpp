@@ -119,16 +119,24 @@ void take_password(const Node& table, Mqtt& mqtt, const std::filesystem::path& d
   }
 }
 
+/// Each broker is one without TLS, by what is stated: one that could not be read is its own mistake.
+bool speaks_plainly(const Node& table) {
+  const Node* const list = table.find("brokers");
+  return list == nullptr || (list->kind == NodeKind::list && std::ranges::all_of(list->items, [](const Node& each) {
+                               return each.text.starts_with("mqtt://");
+                             }));
+}
+
 void take_tls_files(const Node& table, Mqtt& mqtt, const std::filesystem::path& directory, bool with_secrets,
                     Report& report) {
-  const bool tls = std::ranges::any_of(mqtt.brokers, &Endpoint::tls);
+  const bool plain = speaks_plainly(table);
   for (const FileKey& key : kTls) {
     std::string& stated = mqtt.*key.stated;
     if (stated.empty()) {
       continue;
     }
     const std::string name = std::string("mqtt.") + key.name;
-    if (!tls) {
+    if (plain) {
       report.error(place_of(table, key.name),
                    name + " is of use only with TLS; name the broker as mqtts://HOST:PORT, or leave it out");
     }

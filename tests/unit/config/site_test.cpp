@@ -222,6 +222,8 @@ TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
   std::filesystem::permissions(file, std::filesystem::perms::owner_read);
   const std::string is_file = " = \"" + file.string() + "\"\n";
   EXPECT_THAT(error_of(site + "ca_file" + is_file), HasSubstr("8:11: error: mqtt.ca_file is of use only with TLS"));
+  EXPECT_THAT(errors_of(load_site(site + "brokers = [\"mqtts://a\"]\nca_file" + is_file)),
+              testing::ElementsAre(HasSubstr("must be mqtt://HOST:PORT"))) << "and nothing that follows of it";
   EXPECT_THAT(error_of(tls + "cert_file" + is_file), HasSubstr("9:13: error: mqtt.cert_file needs key_file"));
   EXPECT_THAT(error_of(tls + "key_file" + is_file), HasSubstr("9:12: error: mqtt.key_file needs cert_file"));
   EXPECT_THAT(error_of(tls + "ca_file = \"/nowhere/ca\"\n"),
