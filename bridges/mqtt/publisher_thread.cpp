@@ -96,7 +96,9 @@ Line::End Publisher::attempt() {
       return end;
     }
     if (!version && !refusal->why.empty()) {
-      loop_->post([this, why = refusal->why] { events_->on_no_connection(why); });
+      const TlsFiles& tls = settings_.client.tls;
+      const std::string told = without_paths(refusal->why, {settings_.password_file, tls.ca, tls.cert, tls.key});
+      loop_->post([this, why = told] { events_->on_no_connection(why); });
     }
     if (!version) {
       return {text_of(*refusal), refuses_credentials(refusal->code)};
