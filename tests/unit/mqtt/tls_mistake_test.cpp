@@ -1,12 +1,17 @@
 // The search for the cause why TLS fails, without a publisher.
 
 #include <gtest/gtest.h>
+#include <openssl/ssl.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <thread>
 
 #include "bridges/mqtt/tls_handshake.h"
 #include "tests/support/certificates.h"
@@ -51,6 +56,48 @@ TEST(TlsMistake, AnAddressThatNobodyAnswersAtLeavesTimeForTheNext) {
   const FirstWords next("127.0.0.2", full.port());
   const std::string mistake = tls_mistake(broker_at(full.port()), {"127.0.0.1", "127.0.0.2"}, {}, 600ms);
   EXPECT_TRUE(says(mistake, kSilent)) << mistake;
+}
+
+/// Serves one client, of whom it wants a certificate; after the client takes the handshake for done (TLS 1.3) it takes
+/// its time before it says what is wrong.
+class SlowJudge {
+ public:
+  SlowJudge(const support::Certificate& own, std::chrono::milliseconds thinks) {
+    thread_ = std::thread([this, own, thinks] {
+      const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_server_method()), &SSL_CTX_free);
+      SSL_CTX_use_certificate_file(context.get(), own.cert.c_str(), SSL_FILETYPE_PEM);
+      SSL_CTX_use_PrivateKey_file(context.get(), own.key.c_str(), SSL_FILETYPE_PEM);
+      SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
+      const std::unique_ptr<SSL, decltype(&SSL_free)> session(SSL_new(context.get()), &SSL_free);
+      const int client = port_.take();
+      SSL_set_fd(session.get(), client);
+      pollfd wait{client, POLLIN, 0};
+      poll(&wait, 1, 10'000);
+      SSL_accept(session.get());  // answers the first words; the client's second ones are not read yet
+      std::this_thread::sleep_for(thinks);
+      SSL_accept(session.get());
+      poll(&wait, 1, 10'000);  // until the client goes
+      close(client);
+    });
+  }
+  ~SlowJudge() { thread_.join(); }
+  SlowJudge(const SlowJudge&) = delete;
+  SlowJudge& operator=(const SlowJudge&) = delete;
+  [[nodiscard]] std::uint16_t port() const { return port_.port(); }
+
+ private:
+  FirstWords port_;
+  std::thread thread_;
+};
+
+TEST(TlsMistake, ABrokerThatRefusesLateIsHeardForAllThatIsLeft) {
+  std::string name = (std::filesystem::temp_directory_path() / "tls-mistake-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const support::Authority ours(name, "ours");
+  const SlowJudge judge(ours.issue("broker", "DNS:localhost"), 1300ms);
+  const std::string mistake = tls_mistake(broker_at(judge.port()), {"127.0.0.1"}, {.ca = ours.file().string()}, 10s);
+  EXPECT_TRUE(says(mistake, "the broker wants a client certificate")) << mistake;
+  std::filesystem::remove_all(name);
 }
 
 TEST(TlsMistake, FilesThatAreMissingAreToldInTheSystemsWords) {
