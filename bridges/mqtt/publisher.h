@@ -34,6 +34,8 @@ struct PublisherSettings {
   std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
   std::chrono::milliseconds farewell{2000};              ///< For the last messages at the end.
   std::chrono::milliseconds resolve_patience{300000};    ///< A publisher that resolves longer stands still.
+  /// alive(): longest time of the thread without a sign of life; longer than the second in which it gives one.
+  std::chrono::milliseconds silence{30000};
   Resolver resolver = resolve;
 };
 

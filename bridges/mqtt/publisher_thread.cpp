@@ -22,8 +22,6 @@ constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
 constexpr auto kStallCheck = 1s;
 constexpr auto kResolveCheck = 50ms;
-// alive(): longest time of the thread without a sign of life.
-constexpr auto kSilence = 30s;
 constexpr auto kForEver = 24h * 3650;
 // After an attempt that took as long as connect_timeout: the cause is told within 10 s.
 constexpr auto kTlsPatience = 3s;
@@ -138,7 +136,7 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
       return Refusal{};
     }
     // Paho may look up a name itself, and holds up whatever else is asked of it then.
-    expect_sign_of_life(settings_.broker.tls ? settings_.resolve_patience : kSilence);
+    expect_sign_of_life(settings_.broker.tls ? settings_.resolve_patience : settings_.silence);
     line_.begin();
   }
   ClientSettings settings = settings_.client;
@@ -195,7 +193,7 @@ Line::End Publisher::serve() {
   Lock lock(mutex_);
   for (;;) {
     if (!traffic_.may_send(Clock::now())) {
-      expect_sign_of_life(kSilence);  // what could leave and does not is no sign of life; send() gives it
+      expect_sign_of_life(settings_.silence);  // what could leave and does not is no sign of life; send() gives it
     }
     wake_.wait_for(lock, kStallCheck, [this] { return has_work(); });
     line_.stalled = traffic_.stalled(Clock::now());
@@ -227,7 +225,7 @@ bool Publisher::carry_out(Lock& lock) {
 bool Publisher::send(Lock& lock) {
   // As much as there is may come faster than it leaves: other work does not wait for that.
   while (const Message* const message = line_.wants() ? nullptr : traffic_.next(Clock::now())) {
-    expect_sign_of_life(kSilence);
+    expect_sign_of_life(settings_.silence);
     lock.unlock();
     const Client::Sent outcome = client_->publish(*message);
     lock.lock();
@@ -260,7 +258,7 @@ void Publisher::drop_client() {
 
 bool Publisher::pause(std::chrono::milliseconds duration) {
   Lock lock(mutex_);
-  expect_sign_of_life(duration + kSilence);
+  expect_sign_of_life(duration + settings_.silence);
   return !wake_.wait_for(lock, duration, [this] { return finishing_; });
 }
 
