@@ -14,6 +14,7 @@
 #include "bridges/mqtt/attempts.h"
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/client.h"
+#include "bridges/mqtt/event_gate.h"
 #include "bridges/mqtt/line.h"
 #include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
@@ -119,6 +120,7 @@ class Publisher final : public Broker, private ClientEvents {
   Clock::time_point finish_by_{};
 
   // The thread's own, without the lock.
+  std::unique_ptr<EventGate> gate_;  ///< Of the client.
   std::unique_ptr<Client> client_;
   Attempts attempts_;
   std::vector<std::string> resolved_;  ///< Addresses of the broker, numeric.

@@ -21,7 +21,9 @@ using namespace std::chrono_literals;
 constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
 constexpr auto kStallCheck = 1s;
-constexpr auto kResolveCheck = 50ms;
+constexpr auto kEndCheck = 50ms;
+// After the farewell; both together are shorter than kStopLimit.
+constexpr auto kLetGo = 1s;
 constexpr auto kForEver = 24h * 3650;
 // After an attempt that took as long as connect_timeout: the cause is told within 10 s.
 constexpr auto kTlsPatience = 3s;
@@ -120,7 +122,7 @@ std::vector<std::string> Publisher::addresses() {
   } catch (const std::system_error&) {
     return {};  // none is to be had: tried again
   }
-  while (found.wait_for(kResolveCheck) != std::future_status::ready) {
+  while (found.wait_for(kEndCheck) != std::future_status::ready) {
     const Guard lock(mutex_);
     if (finishing_) {
       return {};
@@ -156,7 +158,8 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
   settings.uri =
       (settings_.broker.tls ? "ssl://" : "tcp://") + uri_host(address) + ":" + std::to_string(settings_.broker.port);
   settings.version = version;
-  client_ = std::make_unique<Client>(settings, static_cast<ClientEvents&>(*this));
+  gate_ = std::make_unique<EventGate>(static_cast<ClientEvents&>(*this));
+  client_ = std::make_unique<Client>(settings, *gate_);
   if (!client_->connect()) {
     return Refusal{};
   }
@@ -240,7 +243,13 @@ bool Publisher::send(Lock& lock) {
 }
 
 void Publisher::drop_client() {
-  client_.reset();  // without the lock: events may still come
+  if (client_) {
+    const std::future<void> gone = let_go(std::move(client_), std::move(gate_));
+    for (bool waits = true; waits && gone.wait_for(kEndCheck) != std::future_status::ready;) {
+      const Guard lock(mutex_);
+      waits = !finishing_ || Clock::now() < finish_by_ + kLetGo;  // at the end one that hangs is left behind
+    }
+  }
   const Guard lock(mutex_);
   if (line_.stood()) {
     const Line::End end = line_.end(settings_.client.client_id);

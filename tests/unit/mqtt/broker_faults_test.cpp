@@ -250,6 +250,28 @@ TEST_F(BrokerFaults, AThreadThatHangsInAPublishIsNotAlive) {
   EXPECT_TRUE(run_until([this] { return publisher->alive(); }, 10s));
 }
 
+// Paho holds its lock while it looks up the name of a broker with TLS, too.
+TEST_F(BrokerFaults, AnEndIsNotHeldUpByAClientThatCannotBeDestroyed) {
+  support::Mosquitto broker;
+  ASSERT_TRUE(broker.start());
+  const test::TinyBroker mute({.mute = true});
+  PublisherSettings made = settings(mute.port());
+  made.farewell = 100ms;
+  ClientSettings another = made.client;
+  another.uri = "tcp://127.0.0.1:" + std::to_string(broker.port());
+  another.client_id = "another";
+  HoldsPaho holder;
+  make(std::move(made));
+  EXPECT_FALSE(run_until([this] { return !connections.empty(); }, 500ms));
+  Client client(another, holder);
+  ASSERT_TRUE(client.connect());
+  ASSERT_TRUE(holder.holds());
+  EXPECT_LT(stop(), Publisher::kStopLimit);
+  auto gone = std::async(std::launch::async, [this] { publisher.reset(); });
+  EXPECT_EQ(gone.wait_for(3s), std::future_status::ready);
+  holder.release();
+}
+
 TEST_F(BrokerFaults, WhatIsTooLongForTheBrokerIsNeverSent) {
   support::Mosquitto broker("max_packet_size 3000\n");
   ASSERT_TRUE(broker.start());
