@@ -32,8 +32,8 @@ namespace mqtt {
   return code == 0x8E;
 }
 
-/// The text without the paths in it, the empty ones of which are none: readers of the broker are not told where files of
-/// this machine lie.
+/// The text without the paths in it, the empty ones of which are none: readers of the broker are not told where files
+/// of this machine lie.
 [[nodiscard]] std::string without_paths(std::string text, const std::vector<std::string>& paths);
 
 }  // namespace mqtt

@@ -19,8 +19,8 @@ namespace mqtt {
 /// answer that does not come holds nothing up for long. A subscription that is refused is tried again for as long as
 /// the connection stands; one that is not answered kTries times is a reason to begin with another connection. Some
 /// brokers refuse by closing: what the connection broke at twice in a row is left out at that broker, unless it brings
-/// commands. The look is left out after kLookBreaks connections that broke during it, granted or not: what is kept there
-/// may be what breaks them.
+/// commands. The look is left out after kLookBreaks connections that broke during it, granted or not: what is kept
+/// there may be what breaks them.
 ///
 /// Nothing that comes by the first look is a command, unless it stops a motor: it is given back, and the broker has
 /// said so, before commands are subscribed to, so that none comes twice.

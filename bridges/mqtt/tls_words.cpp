@@ -73,7 +73,8 @@ std::string tls_text_of_failure(int how, const TlsFiles& files) {
       break;
   }
   if (how == SSL_ERROR_SYSCALL) {
-    return "TLS: the connection is closed in the handshake; the broker may be starting, or this is not its TLS port (as a "
+    return "TLS: the connection is closed in the handshake; the broker may be starting, or this is not its TLS port "
+           "(as a "
            "rule 8883)";
   }
   return "TLS: no handshake with the broker: " + openssl_text(error) +

@@ -12,8 +12,8 @@ namespace mqtt {
 /// An error in OpenSSL's words; by default the first of this thread: it tells the cause, those behind it who met it.
 [[nodiscard]] std::string openssl_text(unsigned long error = ERR_peek_error());
 
-/// What is wrong with a certificate that the broker showed, and what mends it. `result`: X509_V_ERR_…; `depth`: 0 is the
-/// broker's own certificate, those behind it are of authorities.
+/// What is wrong with a certificate that the broker showed, and what mends it. `result`: X509_V_ERR_…; `depth`: 0 is
+/// the broker's own certificate, those behind it are of authorities.
 [[nodiscard]] std::string tls_text_of_certificate(long result, int depth, const config::Endpoint& broker,
                                                   const TlsFiles& files);
 

@@ -27,8 +27,8 @@ class Traffic {
  public:
   using TimePoint = Outbox::TimePoint;
   /// Nothing that was sent is acknowledged for so long, and for as long as what is under way takes on a line of
-  /// kSlowestLine besides: the broker hangs, although TCP stands. Paho's own ping notices only after two periods of keep
-  /// alive, and not while its socket is full.
+  /// kSlowestLine besides: the broker hangs, although TCP stands. Paho's own ping notices only after two periods of
+  /// keep alive, and not while its socket is full.
   static constexpr std::chrono::seconds kStalled{8};
   /// Bytes a second. A long message must not end each connection over a slow line.
   static constexpr std::size_t kSlowestLine = 4000;

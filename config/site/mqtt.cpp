@@ -25,8 +25,9 @@ void check_brokers(const Node& table, const Mqtt& mqtt, Report& report) {
     report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
   } else if (list->items.size() > 1) {
     report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
-  } else if (std::ranges::any_of(mqtt.brokers,
-                                 [](const Endpoint& each) { return each.tls && each.host.find(':') != std::string::npos; })) {
+  } else if (std::ranges::any_of(mqtt.brokers, [](const Endpoint& each) {
+               return each.tls && each.host.find(':') != std::string::npos;
+             })) {
     // Paho compares the certificate with the host in its brackets, which no certificate has.
     report.error(list->items.front().place, "mqtt.brokers " + in_quotes(list->items.front().text) +
                                                 ": mqtts:// needs a name or an IPv4 address; name the broker as its "
@@ -74,8 +75,8 @@ constexpr std::array<FileKey, 3> kTls{{{"ca_file", &Mqtt::ca_file, false, "it ho
 /// A relative file that is absent where systemd hands over no credentials, as in a shell: it may be one of the service.
 bool may_be_credential(const Node& table, const FileKey& key, const std::filesystem::path& path) {
   const Node* const stated = table.find(key.name);
-  return credentials_directory() == nullptr && stated != nullptr &&
-         std::filesystem::path(stated->text).is_relative() && is_absent(path);
+  return credentials_directory() == nullptr && stated != nullptr && std::filesystem::path(stated->text).is_relative() &&
+         is_absent(path);
 }
 
 /// Only what can be told without a look into it. `with_secrets`: it is to be used now.
@@ -83,8 +84,9 @@ bool check_file(const Node& table, const FileKey& key, const std::string& label,
                 bool with_secrets, Report& report) {
   const Place place = place_of(table, key.name);
   if (!with_secrets && may_be_credential(table, key, path)) {
-    report.warning(place, label + " is not beside the configuration; a credential of the service (LoadCredential=)? "
-                                  "Else put it there");
+    report.warning(place, label +
+                              " is not beside the configuration; a credential of the service (LoadCredential=)? "
+                              "Else put it there");
     return false;
   }
   const auto facts = look_at_file(path);

@@ -223,7 +223,8 @@ TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
   const std::string is_file = " = \"" + file.string() + "\"\n";
   EXPECT_THAT(error_of(site + "ca_file" + is_file), HasSubstr("8:11: error: mqtt.ca_file is of use only with TLS"));
   EXPECT_THAT(errors_of(load_site(site + "brokers = [\"mqtts://a\"]\nca_file" + is_file)),
-              testing::ElementsAre(HasSubstr("must be mqtt://HOST:PORT"))) << "and nothing that follows of it";
+              testing::ElementsAre(HasSubstr("must be mqtt://HOST:PORT")))
+      << "and nothing that follows of it";
   EXPECT_THAT(error_of(tls + "cert_file" + is_file), HasSubstr("9:13: error: mqtt.cert_file needs key_file"));
   EXPECT_THAT(error_of(tls + "key_file" + is_file), HasSubstr("9:12: error: mqtt.key_file needs cert_file"));
   EXPECT_THAT(error_of(tls + "ca_file = \"/nowhere/ca\"\n"),
@@ -257,9 +258,10 @@ TEST(MqttClient, AFileThatMayBeACredentialOfTheServiceIsAWarningUntilItIsUsed) {
 
 TEST(MqttClient, RefusesTlsToAnIpv6AddressWhichNoCertificateCanBeFor) {
   const std::string site = kBus + kDrive + "[mqtt]\n";
-  EXPECT_THAT(errors_of(load_site(site + "brokers = [\"mqtts://[2001:db8::1]:8883\"]\n")),
-              testing::ElementsAre(HasSubstr("8:12: error: mqtt.brokers \"mqtts://[2001:db8::1]:8883\": mqtts:// needs a "
-                                             "name or an IPv4 address; name the broker as its certificate does")));
+  EXPECT_THAT(
+      errors_of(load_site(site + "brokers = [\"mqtts://[2001:db8::1]:8883\"]\n")),
+      testing::ElementsAre(HasSubstr("8:12: error: mqtt.brokers \"mqtts://[2001:db8::1]:8883\": mqtts:// needs a "
+                                     "name or an IPv4 address; name the broker as its certificate does")));
   EXPECT_TRUE(load_site(site + "brokers = [\"mqtts://192.0.2.1:8883\"]\n").model.has_value());
   EXPECT_TRUE(load_site(site + "brokers = [\"mqtt://[2001:db8::1]:1883\"]\n").model.has_value());
 }
