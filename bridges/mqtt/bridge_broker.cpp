@@ -42,6 +42,9 @@ void Bridge::on_subscribed(const Subscribed& subscribed) {
 }
 
 void Bridge::on_unsubscribed(const std::string& /*filter*/) {
+  if (stopping_) {
+    return;
+  }
   session_.unsubscribed(canopen::Clock::now());  // nothing else is ever given back
   wake(session_.deadline());
 }

@@ -14,6 +14,7 @@
 #include "bridges/mqtt/attempts.h"
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/client.h"
+#include "bridges/mqtt/event_gate.h"
 #include "bridges/mqtt/line.h"
 #include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
@@ -34,6 +35,8 @@ struct PublisherSettings {
   std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
   std::chrono::milliseconds farewell{2000};              ///< For the last messages at the end.
   std::chrono::milliseconds resolve_patience{300000};    ///< A publisher that resolves longer stands still.
+  /// alive(): longest time of the thread without a sign of life; longer than the second in which it gives one.
+  std::chrono::milliseconds silence{30000};
   Resolver resolver = resolve;
 };
 
@@ -117,6 +120,7 @@ class Publisher final : public Broker, private ClientEvents {
   Clock::time_point finish_by_{};
 
   // The thread's own, without the lock.
+  std::unique_ptr<EventGate> gate_;  ///< Of the client.
   std::unique_ptr<Client> client_;
   Attempts attempts_;
   std::vector<std::string> resolved_;  ///< Addresses of the broker, numeric.

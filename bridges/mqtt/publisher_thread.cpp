@@ -21,9 +21,9 @@ using namespace std::chrono_literals;
 constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
 constexpr auto kStallCheck = 1s;
-constexpr auto kResolveCheck = 50ms;
-// alive(): longest time of the thread without a sign of life.
-constexpr auto kSilence = 30s;
+constexpr auto kEndCheck = 50ms;
+// After the farewell; both together are shorter than kStopLimit.
+constexpr auto kLetGo = 1s;
 constexpr auto kForEver = 24h * 3650;
 // After an attempt that took as long as connect_timeout: the cause is told within 10 s.
 constexpr auto kTlsPatience = 3s;
@@ -96,7 +96,9 @@ Line::End Publisher::attempt() {
       return end;
     }
     if (!version && !refusal->why.empty()) {
-      loop_->post([this, why = refusal->why] { events_->on_no_connection(why); });
+      const TlsFiles& tls = settings_.client.tls;
+      const std::string told = without_paths(refusal->why, {settings_.password_file, tls.ca, tls.cert, tls.key});
+      loop_->post([this, why = told] { events_->on_no_connection(why); });
     }
     if (!version) {
       return {text_of(*refusal), refuses_credentials(refusal->code)};
@@ -120,7 +122,7 @@ std::vector<std::string> Publisher::addresses() {
   } catch (const std::system_error&) {
     return {};  // none is to be had: tried again
   }
-  while (found.wait_for(kResolveCheck) != std::future_status::ready) {
+  while (found.wait_for(kEndCheck) != std::future_status::ready) {
     const Guard lock(mutex_);
     if (finishing_) {
       return {};
@@ -136,7 +138,7 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
       return Refusal{};
     }
     // Paho may look up a name itself, and holds up whatever else is asked of it then.
-    expect_sign_of_life(settings_.broker.tls ? settings_.resolve_patience : kSilence);
+    expect_sign_of_life(settings_.broker.tls ? settings_.resolve_patience : settings_.silence);
     line_.begin();
   }
   ClientSettings settings = settings_.client;
@@ -156,7 +158,8 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
   settings.uri =
       (settings_.broker.tls ? "ssl://" : "tcp://") + uri_host(address) + ":" + std::to_string(settings_.broker.port);
   settings.version = version;
-  client_ = std::make_unique<Client>(settings, static_cast<ClientEvents&>(*this));
+  gate_ = std::make_unique<EventGate>(static_cast<ClientEvents&>(*this));
+  client_ = std::make_unique<Client>(settings, *gate_);
   if (!client_->connect()) {
     return Refusal{};
   }
@@ -193,7 +196,7 @@ Line::End Publisher::serve() {
   Lock lock(mutex_);
   for (;;) {
     if (!traffic_.may_send(Clock::now())) {
-      expect_sign_of_life(kSilence);  // what could leave and does not is no sign of life; send() gives it
+      expect_sign_of_life(settings_.silence);  // what could leave and does not is no sign of life; send() gives it
     }
     wake_.wait_for(lock, kStallCheck, [this] { return has_work(); });
     line_.stalled = traffic_.stalled(Clock::now());
@@ -225,7 +228,7 @@ bool Publisher::carry_out(Lock& lock) {
 bool Publisher::send(Lock& lock) {
   // As much as there is may come faster than it leaves: other work does not wait for that.
   while (const Message* const message = line_.wants() ? nullptr : traffic_.next(Clock::now())) {
-    expect_sign_of_life(kSilence);
+    expect_sign_of_life(settings_.silence);
     lock.unlock();
     const Client::Sent outcome = client_->publish(*message);
     lock.lock();
@@ -240,7 +243,13 @@ bool Publisher::send(Lock& lock) {
 }
 
 void Publisher::drop_client() {
-  client_.reset();  // without the lock: events may still come
+  if (client_) {
+    const std::future<void> gone = let_go(std::move(client_), std::move(gate_));
+    for (bool waits = true; waits && gone.wait_for(kEndCheck) != std::future_status::ready;) {
+      const Guard lock(mutex_);
+      waits = !finishing_ || Clock::now() < finish_by_ + kLetGo;  // at the end one that hangs is left behind
+    }
+  }
   const Guard lock(mutex_);
   if (line_.stood()) {
     const Line::End end = line_.end(settings_.client.client_id);
@@ -258,7 +267,7 @@ void Publisher::drop_client() {
 
 bool Publisher::pause(std::chrono::milliseconds duration) {
   Lock lock(mutex_);
-  expect_sign_of_life(duration + kSilence);
+  expect_sign_of_life(duration + settings_.silence);
   return !wake_.wait_for(lock, duration, [this] { return finishing_; });
 }
 

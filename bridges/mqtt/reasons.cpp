@@ -21,4 +21,15 @@ std::string reason_text(int code) {
   return (name.empty() ? "unknown code" : name) + hex.data();
 }
 
+std::string without_paths(std::string text, const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    const std::string shown = " " + path;
+    for (auto at = path.empty() ? std::string::npos : text.find(shown); at != std::string::npos;
+         at = text.find(shown)) {
+      text.erase(at, shown.size());
+    }
+  }
+  return text;
+}
+
 }  // namespace mqtt

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace mqtt {
 
@@ -30,5 +31,9 @@ namespace mqtt {
 [[nodiscard]] constexpr bool is_takeover(int code) {
   return code == 0x8E;
 }
+
+/// The text without the paths in it, the empty ones of which are none: readers of the broker are not told where files
+/// of this machine lie.
+[[nodiscard]] std::string without_paths(std::string text, const std::vector<std::string>& paths);
 
 }  // namespace mqtt

@@ -27,24 +27,30 @@ void Session::lost() {
   if (phase_ == Phase::offline) {
     return;
   }
+  const bool looking = phase_ == Phase::looking;
+  const bool look_breaks = looking && ++place_->look_breaks >= kLookBreaks;
   const std::string suspect = unanswered();
-  if (suspect.empty() || suspect != place_->suspect) {
-    place_->suspect = suspect;
-  } else {
-    place_->suspect.clear();
-    const bool look = suspect == topics_.tree_subscription().filter;
-    place_->looked = place_->looked || look;
-    if (!look) {
-      place_->left_out.insert(suspect);
-    }
-    notice_(Level::error, "MQTT: twice in a row the connection broke at the subscription to " + suspect +
-                              ": it is left out at this broker until the gateway's next start. " +
-                              (look ? "Topics of drives and signals that are gone stay there"
-                                    : "What others write there is not put right") +
-                              "; give the gateway's user the right to read there");
+  const bool again = !suspect.empty() && suspect == place_->suspect;
+  place_->suspect = again ? std::string() : suspect;
+  if (again || look_breaks) {
+    leave_out(looking ? topics_.tree_subscription().filter : suspect, look_breaks ? "three times" : "twice");
   }
   phase_ = Phase::offline;
   entries_.clear();
+}
+
+void Session::leave_out(const std::string& filter, const std::string& times) {
+  const bool look = filter == topics_.tree_subscription().filter;
+  if (look) {
+    place_->looked = true;
+  } else {
+    place_->left_out.insert(filter);
+  }
+  notice_(Level::error, "MQTT: " + times + " in a row the connection broke at the subscription to " + filter +
+                            ": it is left out at this broker until the gateway's next start. " +
+                            (look ? "Topics of drives and signals that are gone stay there"
+                                  : "What others write there is not put right") +
+                            "; give the gateway's user the right to read there");
 }
 
 std::string Session::unanswered() const {

@@ -19,7 +19,8 @@ namespace mqtt {
 /// answer that does not come holds nothing up for long. A subscription that is refused is tried again for as long as
 /// the connection stands; one that is not answered kTries times is a reason to begin with another connection. Some
 /// brokers refuse by closing: what the connection broke at twice in a row is left out at that broker, unless it brings
-/// commands.
+/// commands. The look is left out after kLookBreaks connections that broke during it, granted or not: what is kept
+/// there may be what breaks them.
 ///
 /// Nothing that comes by the first look is a command, unless it stops a motor: it is given back, and the broker has
 /// said so, before commands are subscribed to, so that none comes twice.
@@ -34,6 +35,8 @@ class Session {
   static constexpr canopen::Duration kLongestPause = std::chrono::seconds(5);
   /// So often an answer may be missing.
   static constexpr int kTries = 3;
+  /// So many connections in a row may break during the look.
+  static constexpr int kLookBreaks = 3;
 
   /// `leaving`: the look is being given back.
   enum class Phase : std::uint8_t { offline, looking, leaving, subscribing, watching, ready };
@@ -76,6 +79,7 @@ class Session {
   struct Place {
     bool looked = false;             ///< It was looked through, or does not allow it.
     std::string suspect;             ///< Filter at which the last connection broke; empty: at none.
+    int look_breaks = 0;             ///< Connections that broke during the look; each was the one after the other.
     std::set<std::string> left_out;  ///< Filters.
   };
 
@@ -83,6 +87,7 @@ class Session {
   void leave(canopen::TimePoint now);
   void ask_watched(canopen::TimePoint now);
   void give_up(std::string why);
+  void leave_out(const std::string& filter, const std::string& times);
   /// The filter that may be why the connection breaks; empty: none.
   [[nodiscard]] std::string unanswered() const;
   void say_no_look(const std::string& why);

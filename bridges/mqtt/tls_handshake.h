@@ -23,7 +23,8 @@ struct TlsFiles {
 [[nodiscard]] std::string tls_files_mistake(const TlsFiles& files);
 
 /// Why TLS to this broker fails, and how to mend it, found by a handshake of our own, since Paho names no cause. Empty:
-/// it does not fail, or not because of TLS. Tries the addresses in order until one accepts; blocks for `patience`.
+/// it does not fail, or not because of TLS. Tries the addresses, IPv4 before IPv6, until one accepts; blocks for
+/// `patience`.
 [[nodiscard]] std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::string>& addresses,
                                       const TlsFiles& files, std::chrono::milliseconds patience);
 

@@ -124,6 +124,15 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
   progress_ = now;
 }
 
+bool Traffic::stalled(TimePoint now) const {
+  std::size_t bytes = 0;
+  for (const Outbox::Item& item : under_way_) {
+    bytes += packet_size(item.message, version_, qos_);
+  }
+  const std::chrono::milliseconds on_the_line(bytes * 1000 / kSlowestLine);
+  return !under_way_.empty() && now - progress_ > kStalled + on_the_line;
+}
+
 BrokerCounts Traffic::counts() const {
   return {.messages_dropped = dropped_, .answers_dropped = outbox_.answers_dropped()};
 }

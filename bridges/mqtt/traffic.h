@@ -26,9 +26,12 @@ namespace mqtt {
 class Traffic {
  public:
   using TimePoint = Outbox::TimePoint;
-  /// Nothing that was sent is acknowledged for so long: the broker hangs, although TCP stands. Paho's own ping notices
-  /// only after two periods of keep alive, and not while its socket is full.
+  /// Nothing that was sent is acknowledged for so long, and for as long as what is under way takes on a line of
+  /// kSlowestLine besides: the broker hangs, although TCP stands. Paho's own ping notices only after two periods of
+  /// keep alive, and not while its socket is full.
   static constexpr std::chrono::seconds kStalled{8};
+  /// Bytes a second. A long message must not end each connection over a slow line.
+  static constexpr std::size_t kSlowestLine = 4000;
 
   Traffic(int qos, Notice notice) : qos_(qos), notice_(std::move(notice)) {}
 
@@ -55,7 +58,7 @@ class Traffic {
   [[nodiscard]] bool all_said(TimePoint now) { return open_ && under_way_.empty() && front(now) == nullptr; }
   /// Nothing is held back, either.
   [[nodiscard]] bool nothing_waits() const { return open_ && under_way_.empty() && outbox_.empty(); }
-  [[nodiscard]] bool stalled(TimePoint now) const { return !under_way_.empty() && now - progress_ > kStalled; }
+  [[nodiscard]] bool stalled(TimePoint now) const;
   [[nodiscard]] BrokerCounts counts() const;
 
  private:

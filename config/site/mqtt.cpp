@@ -16,7 +16,7 @@
 namespace config {
 namespace {
 
-void check_brokers(const Node& table, Report& report) {
+void check_brokers(const Node& table, const Mqtt& mqtt, Report& report) {
   const Node* const list = table.find("brokers");
   if (list == nullptr || list->kind != NodeKind::list) {
     return;
@@ -25,6 +25,13 @@ void check_brokers(const Node& table, Report& report) {
     report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
   } else if (list->items.size() > 1) {
     report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
+  } else if (std::ranges::any_of(mqtt.brokers, [](const Endpoint& each) {
+               return each.tls && each.host.find(':') != std::string::npos;
+             })) {
+    // Paho compares the certificate with the host in its brackets, which no certificate has.
+    report.error(list->items.front().place, "mqtt.brokers " + in_quotes(list->items.front().text) +
+                                                ": mqtts:// needs a name or an IPv4 address; name the broker as its "
+                                                "certificate does");
   }
 }
 
@@ -37,10 +44,14 @@ void check_base(const Node& table, const std::string& base, Report& report) {
   }
 }
 
+// Nothing here changes the environment.
+const char* credentials_directory() {
+  return std::getenv("CREDENTIALS_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
+}
+
 /// Where it is: a relative one among the credentials that systemd hands over, else beside the configuration.
 std::filesystem::path path_of(const std::string& stated, const std::filesystem::path& directory) {
-  // Nothing here changes the environment.
-  if (const char* const credentials = std::getenv("CREDENTIALS_DIRECTORY")) {  // NOLINT(concurrency-mt-unsafe)
+  if (const char* const credentials = credentials_directory()) {
     std::filesystem::path path = std::filesystem::path(credentials) / stated;
     if (!is_absent(path)) {
       return path;
@@ -61,10 +72,23 @@ constexpr std::array<FileKey, 3> kTls{{{"ca_file", &Mqtt::ca_file, false, "it ho
                                        {"cert_file", &Mqtt::cert_file, false, "it holds a PEM certificate"},
                                        {"key_file", &Mqtt::key_file, true, "it holds the PEM key of cert_file"}}};
 
-/// Only what can be told without a look into it.
+/// A relative file that is absent where systemd hands over no credentials, as in a shell: it may be one of the service.
+bool may_be_credential(const Node& table, const FileKey& key, const std::filesystem::path& path) {
+  const Node* const stated = table.find(key.name);
+  return credentials_directory() == nullptr && stated != nullptr && std::filesystem::path(stated->text).is_relative() &&
+         is_absent(path);
+}
+
+/// Only what can be told without a look into it. `with_secrets`: it is to be used now.
 bool check_file(const Node& table, const FileKey& key, const std::string& label, const std::filesystem::path& path,
-                Report& report) {
+                bool with_secrets, Report& report) {
   const Place place = place_of(table, key.name);
+  if (!with_secrets && may_be_credential(table, key, path)) {
+    report.warning(place, label +
+                              " is not beside the configuration; a credential of the service (LoadCredential=)? "
+                              "Else put it there");
+    return false;
+  }
   const auto facts = look_at_file(path);
   if (const auto* const failure = std::get_if<FileFailure>(&facts); failure != nullptr) {
     report.error(place, label + " cannot be read: " + failure->reason);
@@ -85,7 +109,7 @@ void take_password(const Node& table, Mqtt& mqtt, const std::filesystem::path& d
                    Report& report) {
   const std::string label = "mqtt.password_file " + in_quotes(mqtt.password_file);
   mqtt.password_file = path_of(mqtt.password_file, directory).string();
-  if (!check_file(table, kPassword, label, mqtt.password_file, report) || !with_secrets) {
+  if (!check_file(table, kPassword, label, mqtt.password_file, with_secrets, report) || !with_secrets) {
     return;
   }
   const auto content = read_file(mqtt.password_file);
@@ -97,21 +121,30 @@ void take_password(const Node& table, Mqtt& mqtt, const std::filesystem::path& d
   }
 }
 
-void take_tls_files(const Node& table, Mqtt& mqtt, const std::filesystem::path& directory, Report& report) {
-  const bool tls = std::ranges::any_of(mqtt.brokers, &Endpoint::tls);
+/// Each broker is one without TLS, by what is stated: one that could not be read is its own mistake.
+bool speaks_plainly(const Node& table) {
+  const Node* const list = table.find("brokers");
+  return list == nullptr || (list->kind == NodeKind::list && std::ranges::all_of(list->items, [](const Node& each) {
+                               return each.text.starts_with("mqtt://");
+                             }));
+}
+
+void take_tls_files(const Node& table, Mqtt& mqtt, const std::filesystem::path& directory, bool with_secrets,
+                    Report& report) {
+  const bool plain = speaks_plainly(table);
   for (const FileKey& key : kTls) {
     std::string& stated = mqtt.*key.stated;
     if (stated.empty()) {
       continue;
     }
     const std::string name = std::string("mqtt.") + key.name;
-    if (!tls) {
+    if (plain) {
       report.error(place_of(table, key.name),
                    name + " is of use only with TLS; name the broker as mqtts://HOST:PORT, or leave it out");
     }
     const std::string label = name + " " + in_quotes(stated);
     stated = path_of(stated, directory).string();
-    (void)check_file(table, key, label, stated, report);
+    (void)check_file(table, key, label, stated, with_secrets, report);
   }
   if (mqtt.cert_file.empty() != mqtt.key_file.empty()) {
     const bool cert = mqtt.key_file.empty();
@@ -186,7 +219,7 @@ std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& dir
     return std::nullopt;
   }
   Mqtt mqtt = mqtt_section().read(*table);
-  check_brokers(*table, report);
+  check_brokers(*table, mqtt, report);
   check_base(*table, mqtt.base, report);
   check_answers(*table, mqtt.base, report);
   check_stale_payload(*table, mqtt, report);
@@ -205,7 +238,7 @@ std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& dir
     }
     take_password(*table, mqtt, directory, with_secrets, report);
   }
-  take_tls_files(*table, mqtt, directory, report);
+  take_tls_files(*table, mqtt, directory, with_secrets, report);
   return mqtt;
 }
 

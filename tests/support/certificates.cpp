@@ -69,10 +69,14 @@ void write(X509& certificate, const std::filesystem::path& path) {
 }  // namespace
 
 Authority::Authority(std::filesystem::path directory, const std::string& name)
+    : Authority(std::move(directory), name, std::chrono::hours(-24), std::chrono::hours(24)) {}
+
+Authority::Authority(std::filesystem::path directory, const std::string& name, std::chrono::seconds from,
+                     std::chrono::seconds until)
     : directory_(std::move(directory)),
       file_(directory_ / (name + ".crt")),
       key_(make_key()),
-      certificate_(make_certificate(*key_, name, std::chrono::hours(-24), std::chrono::hours(24))) {
+      certificate_(make_certificate(*key_, name, from, until)) {
   X509_set_issuer_name(certificate_.get(), X509_get_subject_name(certificate_.get()));
   extend(*certificate_, certificate_.get(), NID_basic_constraints, "critical,CA:TRUE");
   extend(*certificate_, certificate_.get(), NID_key_usage, "critical,keyCertSign");

@@ -21,6 +21,9 @@ class Authority {
  public:
   /// Its certificate is `directory/NAME.crt`.
   Authority(std::filesystem::path directory, const std::string& name);
+  /// Valid at another time than a day from now in both directions, from now.
+  Authority(std::filesystem::path directory, const std::string& name, std::chrono::seconds from,
+            std::chrono::seconds until);
   ~Authority();
   Authority(const Authority&) = delete;
   Authority& operator=(const Authority&) = delete;

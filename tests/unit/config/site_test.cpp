@@ -224,6 +224,9 @@ TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
   std::filesystem::permissions(file, std::filesystem::perms::owner_read);
   const std::string is_file = " = \"" + file.string() + "\"\n";
   EXPECT_THAT(error_of(site + "ca_file" + is_file), HasSubstr("8:11: error: mqtt.ca_file is of use only with TLS"));
+  EXPECT_THAT(errors_of(load_site(site + "brokers = [\"mqtts://a\"]\nca_file" + is_file)),
+              testing::ElementsAre(HasSubstr("must be mqtt://HOST:PORT")))
+      << "and nothing that follows of it";
   EXPECT_THAT(error_of(tls + "cert_file" + is_file), HasSubstr("9:13: error: mqtt.cert_file needs key_file"));
   EXPECT_THAT(error_of(tls + "key_file" + is_file), HasSubstr("9:12: error: mqtt.key_file needs cert_file"));
   EXPECT_THAT(error_of(tls + "ca_file = \"/nowhere/ca\"\n"),
@@ -231,6 +234,38 @@ TEST(MqttClient, RefusesFilesOfTlsThatCannotWork) {
   std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::others_read);
   EXPECT_THAT(lines(load_site(tls + "cert_file" + is_file + "key_file" + is_file).findings),
               HasSubstr("10:12: warning: mqtt.key_file \"" + file.string() + "\" can be read by everybody"));
+}
+
+TEST(MqttClient, AFileThatMayBeACredentialOfTheServiceIsAWarningUntilItIsUsed) {
+  const std::filesystem::path directory = std::filesystem::path(testing::TempDir()) / "mqtt-no-credentials";
+  std::filesystem::create_directories(directory);
+  LoadOptions options{.file = directory / "gateway.toml", .profile_dirs = {kProfiles}, .host_name = "host"};
+  const std::string site = kBus + kDrive +
+                           "[mqtt]\nbrokers = [\"mqtts://a:8883\"]\nusername = \"u\"\n"
+                           "password_file = \"secret\"\nca_file = \"ca.crt\"\n";
+  const Loaded checked = load_text(site, options);
+  EXPECT_TRUE(checked.model.has_value());
+  EXPECT_THAT(lines(checked.findings),
+              HasSubstr("10:17: warning: mqtt.password_file \"secret\" is not beside the configuration; a credential"));
+  EXPECT_THAT(lines(checked.findings), HasSubstr("11:11: warning: mqtt.ca_file \"ca.crt\" is not beside"));
+  options.with_secrets = true;
+  EXPECT_THAT(lines(load_text(site, options).findings),
+              HasSubstr("10:17: error: mqtt.password_file \"secret\" cannot be read: no such file"));
+  options.with_secrets = false;
+  ASSERT_EQ(setenv("CREDENTIALS_DIRECTORY", directory.c_str(), 1), 0);
+  const std::string in_the_service = lines(load_text(site, options).findings);
+  unsetenv("CREDENTIALS_DIRECTORY");
+  EXPECT_THAT(in_the_service, HasSubstr("10:17: error: mqtt.password_file \"secret\" cannot be read: no such file"));
+}
+
+TEST(MqttClient, RefusesTlsToAnIpv6AddressWhichNoCertificateCanBeFor) {
+  const std::string site = kBus + kDrive + "[mqtt]\n";
+  EXPECT_THAT(
+      errors_of(load_site(site + "brokers = [\"mqtts://[2001:db8::1]:8883\"]\n")),
+      testing::ElementsAre(HasSubstr("8:12: error: mqtt.brokers \"mqtts://[2001:db8::1]:8883\": mqtts:// needs a "
+                                     "name or an IPv4 address; name the broker as its certificate does")));
+  EXPECT_TRUE(load_site(site + "brokers = [\"mqtts://192.0.2.1:8883\"]\n").model.has_value());
+  EXPECT_TRUE(load_site(site + "brokers = [\"mqtt://[2001:db8::1]:1883\"]\n").model.has_value());
 }
 
 TEST(MqttClient, LooksAtThePasswordFileWithoutReadingIt) {

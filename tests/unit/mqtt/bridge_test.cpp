@@ -215,6 +215,19 @@ TEST(MqttBridge, AnOrderlyEndSetsEveryStatusToOffline) {
   EXPECT_FALSE(site.bridge().connected());
 }
 
+TEST(MqttBridge, TheLookThatIsGivenBackDuringTheEndBringsNoSubscriptions) {
+  PlantSite site;
+  site.broker().events->on_connected({.id = 1});
+  ASSERT_EQ(site.broker().subscribed.size(), 1U) << "the look";
+  const std::string look = site.broker().subscribed[0].filter;
+  site.broker().events->on_subscribed({.filter = look});
+  site.run(1s);
+  ASSERT_EQ(site.broker().unsubscribed, std::vector<std::string>{look});
+  site.broker().while_stopping = [&] { site.broker().events->on_unsubscribed(look); };
+  site.stop_bridge();
+  EXPECT_EQ(site.broker().subscribed.size(), 1U) << "the last words are said";
+}
+
 TEST(MqttBridge, TellsWhenItIsConnected) {
   PlantSite site;
   std::vector<bool> changes;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <future>
 #include <string>
 
@@ -198,6 +199,77 @@ TEST_F(BrokerFaults, AThreadThatHangsIsNotAlive) {
   EXPECT_TRUE(run_until([this] { return !publisher->alive(); }));
   release.set_value();
   EXPECT_TRUE(run_until([this] { return publisher->alive(); }));
+}
+
+/// Hears that its connection stands, and holds Paho's lock, under which it is told, until it is released.
+class HoldsPaho final : public ClientEvents {
+ public:
+  void on_up(BrokerLimits /*limits*/) noexcept override {
+    if (!told_.exchange(true)) {
+      holds_.set_value();
+    }
+    released_.wait();
+  }
+  void on_refused(Refusal /*refusal*/) noexcept override {}
+  void on_down(int /*code*/) noexcept override {}
+  void on_incoming(Incoming&& /*message*/) noexcept override {}
+  void on_sent(const Message* /*message*/, Delivery /*delivery*/, int /*code*/) noexcept override {}
+  void on_subscribed(Subscribed&& /*subscribed*/) noexcept override {}
+  void on_unsubscribed(const std::string& /*filter*/) noexcept override {}
+
+  [[nodiscard]] bool holds() { return held_.wait_for(10s) == std::future_status::ready; }
+  void release() { release_.set_value(); }
+
+ private:
+  std::atomic<bool> told_ = false;
+  std::promise<void> holds_;
+  std::future<void> held_ = holds_.get_future();
+  std::promise<void> release_;
+  std::shared_future<void> released_ = release_.get_future().share();
+};
+
+TEST_F(BrokerFaults, AThreadThatHangsInAPublishIsNotAlive) {
+  support::Mosquitto broker;
+  ASSERT_TRUE(broker.start());
+  PublisherSettings made = settings(broker.port());
+  made.silence = 2500ms;
+  HoldsPaho holder;
+  ClientSettings another = made.client;
+  another.uri = "tcp://127.0.0.1:" + std::to_string(broker.port());
+  another.client_id = "another";
+  make(std::move(made));
+  ASSERT_TRUE(connected());
+  publisher->open(connections.back());
+  EXPECT_FALSE(run_until([this] { return !publisher->alive(); }, 4s)) << "with nothing to do it lives";
+  Client client(another, holder);
+  ASSERT_TRUE(client.connect());
+  ASSERT_TRUE(holder.holds());
+  publisher->publish({{.topic = "a", .payload = "1"}, {.topic = "b", .payload = "1"}});
+  EXPECT_TRUE(run_until([this] { return !publisher->alive(); }, 10s));
+  holder.release();
+  EXPECT_TRUE(run_until([this] { return publisher->alive(); }, 10s));
+}
+
+// Paho holds its lock while it looks up the name of a broker with TLS, too.
+TEST_F(BrokerFaults, AnEndIsNotHeldUpByAClientThatCannotBeDestroyed) {
+  support::Mosquitto broker;
+  ASSERT_TRUE(broker.start());
+  const test::TinyBroker mute({.mute = true});
+  PublisherSettings made = settings(mute.port());
+  made.farewell = 100ms;
+  ClientSettings another = made.client;
+  another.uri = "tcp://127.0.0.1:" + std::to_string(broker.port());
+  another.client_id = "another";
+  HoldsPaho holder;
+  make(std::move(made));
+  EXPECT_FALSE(run_until([this] { return !connections.empty(); }, 500ms));
+  Client client(another, holder);
+  ASSERT_TRUE(client.connect());
+  ASSERT_TRUE(holder.holds());
+  EXPECT_LT(stop(), Publisher::kStopLimit);
+  auto gone = std::async(std::launch::async, [this] { publisher.reset(); });
+  EXPECT_EQ(gone.wait_for(3s), std::future_status::ready);
+  holder.release();
 }
 
 TEST_F(BrokerFaults, WhatIsTooLongForTheBrokerIsNeverSent) {

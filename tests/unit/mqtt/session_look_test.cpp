@@ -179,10 +179,27 @@ TEST_F(SessionLook, ThatABreakEndedIsTriedAgainOnce) {
   EXPECT_NE(notices_[0].find(kTree), std::string::npos) << notices_[0];
 }
 
-TEST_F(SessionLook, ThatWasGrantedIsNotWhyAConnectionBreaks) {
+TEST_F(SessionLook, ThatWasGrantedIsLeftOutAfterThreeBreaks) {
   for (ConnectionId connection = 1; connection < 4; ++connection) {
+    EXPECT_TRUE(notices_.empty());
     connect(connection, start_ + connection * 1s);
     EXPECT_EQ(session_.phase(), Phase::looking) << "whatever broke it, the look is still to be done";
+    granted(start_ + connection * 1s);
+    session_.lost();
+  }
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].find("three times in a row"), std::string::npos) << notices_[0];
+  EXPECT_NE(notices_[0].find(kTree), std::string::npos) << notices_[0];
+  connect(4, start_ + 4s);
+  EXPECT_EQ(session_.phase(), Phase::subscribing) << "what is kept there may end each connection";
+  session_.lost();
+  EXPECT_EQ(notices_.size(), 1U);
+}
+
+TEST_F(SessionLook, BreaksAtOneBrokerDoNotCountAtAnother) {
+  for (ConnectionId connection = 1; connection < 5; ++connection) {
+    connect(connection, start_ + connection * 1s, connection % 2 == 0 ? "b:1883" : "other:1883");
+    EXPECT_EQ(session_.phase(), Phase::looking);
     granted(start_ + connection * 1s);
     session_.lost();
   }

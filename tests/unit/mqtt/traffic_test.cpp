@@ -83,9 +83,22 @@ TEST_F(TrafficTest, AConnectionThatAcknowledgesNothingIsStalled) {
   const auto sent = send();
   now_ += Traffic::kStalled;
   EXPECT_FALSE(traffic_.stalled(now_));
-  EXPECT_TRUE(traffic_.stalled(now_ + 1ms));
+  EXPECT_TRUE(traffic_.stalled(now_ + 3ms)) << "a few bytes take no longer";
   acknowledge(sent[0]);
   EXPECT_FALSE(traffic_.stalled(now_ + 1h)) << "nothing is under way";
+}
+
+TEST_F(TrafficTest, ALongMessageHasTheTimeThatASlowLineTakes) {
+  const std::size_t line = Traffic::kSlowestLine;
+  push({value("long", std::string(100 * line, 'x')), value("a", "1")});
+  const auto sent = send();
+  ASSERT_EQ(sent.size(), 2U);
+  now_ += 100s + Traffic::kStalled;
+  EXPECT_FALSE(traffic_.stalled(now_));
+  EXPECT_TRUE(traffic_.stalled(now_ + 1s)) << "but not for ever";
+  acknowledge(sent[0]);
+  EXPECT_FALSE(traffic_.stalled(now_ + Traffic::kStalled));
+  EXPECT_TRUE(traffic_.stalled(now_ + Traffic::kStalled + 1s)) << "what is left is short";
 }
 
 TEST_F(TrafficTest, WhatCouldLeaveIsKnownUntilItDoes) {
@@ -298,7 +311,7 @@ TEST_F(TrafficTest, OneThatIsNeverAcknowledgedHoldsUpAllElseOnce) {
   begin();
   push({value("bad", "1"), value("c", "1")});
   EXPECT_EQ(send().size(), 1U);
-  now_ += Traffic::kStalled + 1ms;
+  now_ += Traffic::kStalled + 3ms;
   EXPECT_TRUE(traffic_.stalled(now_));
   traffic_.end(false, now_);
   begin();

@@ -1,0 +1,118 @@
+// The search for the cause why TLS fails, without a publisher.
+
+#include <gtest/gtest.h>
+#include <openssl/ssl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "bridges/mqtt/tls_handshake.h"
+#include "tests/support/certificates.h"
+#include "tests/unit/mqtt/first_words.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using test::FirstWords;
+
+constexpr const char* kSilent = "does not answer the handshake; it may hang or be starting";
+
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+config::Endpoint broker_at(std::uint16_t port) {
+  return {.host = "localhost", .port = port, .tls = true};
+}
+
+TEST(TlsMistake, APortThatOnlyFallsSilentIsNoReasonToGoWithoutTls) {
+  const FirstWords silent;
+  const std::string mistake = tls_mistake(broker_at(silent.port()), {"127.0.0.1"}, {}, 200ms);
+  EXPECT_TRUE(says(mistake, kSilent)) << mistake;
+  EXPECT_FALSE(says(mistake, "mqtt://")) << mistake;
+}
+
+// As Paho does it.
+TEST(TlsMistake, TheCauseIsLookedForAtIpv4AddressesFirst) {
+  const FirstWords six("::1");
+  const FirstWords four("127.0.0.1", six.port());
+  (void)tls_mistake(broker_at(six.port()), {"::1", "127.0.0.1"}, {}, 200ms);
+  EXPECT_TRUE(four.has_client());
+  EXPECT_FALSE(six.has_client());
+}
+
+TEST(TlsMistake, AnAddressThatNobodyAnswersAtLeavesTimeForTheNext) {
+  FirstWords full;
+  ASSERT_TRUE(full.fill());
+  EXPECT_EQ(tls_mistake(broker_at(full.port()), {"127.0.0.1"}, {}, 200ms), "");
+  const FirstWords next("127.0.0.2", full.port());
+  const std::string mistake = tls_mistake(broker_at(full.port()), {"127.0.0.1", "127.0.0.2"}, {}, 600ms);
+  EXPECT_TRUE(says(mistake, kSilent)) << mistake;
+}
+
+/// Serves one client, of whom it wants a certificate; after the client takes the handshake for done (TLS 1.3) it takes
+/// its time before it says what is wrong.
+class SlowJudge {
+ public:
+  SlowJudge(const support::Certificate& own, std::chrono::milliseconds thinks) {
+    thread_ = std::thread([this, own, thinks] {
+      const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_server_method()), &SSL_CTX_free);
+      SSL_CTX_use_certificate_file(context.get(), own.cert.c_str(), SSL_FILETYPE_PEM);
+      SSL_CTX_use_PrivateKey_file(context.get(), own.key.c_str(), SSL_FILETYPE_PEM);
+      SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
+      const std::unique_ptr<SSL, decltype(&SSL_free)> session(SSL_new(context.get()), &SSL_free);
+      const int client = port_.take();
+      SSL_set_fd(session.get(), client);
+      pollfd wait{client, POLLIN, 0};
+      poll(&wait, 1, 10'000);
+      SSL_accept(session.get());  // answers the first words; the client's second ones are not read yet
+      std::this_thread::sleep_for(thinks);
+      SSL_accept(session.get());
+      poll(&wait, 1, 10'000);  // until the client goes
+      close(client);
+    });
+  }
+  ~SlowJudge() { thread_.join(); }
+  SlowJudge(const SlowJudge&) = delete;
+  SlowJudge& operator=(const SlowJudge&) = delete;
+  [[nodiscard]] std::uint16_t port() const { return port_.port(); }
+
+ private:
+  FirstWords port_;
+  std::thread thread_;
+};
+
+TEST(TlsMistake, ABrokerThatRefusesLateIsHeardForAllThatIsLeft) {
+  std::string name = (std::filesystem::temp_directory_path() / "tls-mistake-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const support::Authority ours(name, "ours");
+  const SlowJudge judge(ours.issue("broker", "DNS:localhost"), 1300ms);
+  const std::string mistake = tls_mistake(broker_at(judge.port()), {"127.0.0.1"}, {.ca = ours.file().string()}, 10s);
+  EXPECT_TRUE(says(mistake, "the broker wants a client certificate")) << mistake;
+  std::filesystem::remove_all(name);
+}
+
+TEST(TlsMistake, FilesThatAreMissingAreToldInTheSystemsWords) {
+  std::string name = (std::filesystem::temp_directory_path() / "tls-mistake-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const support::Authority ours(name, "ours");
+  const support::Certificate client = ours.issue("client", "DNS:line3");
+  const std::string none = name + "/missing";
+  const std::string said = none + " cannot be read: No such file or directory; it must be there";
+  EXPECT_EQ(tls_files_mistake({.ca = none}).find("ca_file " + said), 0U) << tls_files_mistake({.ca = none});
+  EXPECT_EQ(tls_files_mistake({.cert = none, .key = client.key.string()}).find("cert_file " + said), 0U);
+  EXPECT_EQ(tls_files_mistake({.cert = client.cert.string(), .key = none}).find("key_file " + said), 0U);
+  EXPECT_EQ(tls_files_mistake({.cert = client.cert.string(), .key = client.key.string()}), "");
+  std::filesystem::remove_all(name);
+}
+
+}  // namespace
+}  // namespace mqtt
