@@ -19,7 +19,7 @@ namespace process {
 /// A command from its arrival to its answer. Lives in the coroutine that carries it out.
 struct PendingCommand {
   CommandRecord record;
-  std::uint64_t number = 0;  ///< In order of arrival.
+  std::uint64_t number = 0;            ///< In order of arrival.
   canopen::TimePoint arrived_until{};  ///< record.arrived, or where that is not sure, the latest it may have been.
   canopen::TimePoint deadline{};
   canopen::TimePoint expires = canopen::TimePoint::max();

@@ -199,7 +199,7 @@ class SdoClient {
   bool answered_ = false;
   SecondAnswer second_;
   std::optional<TimePoint> foreign_at_;  ///< The newest request of somebody else.
-  bool block_unknown_ = false;  ///< The node does not know block transfer.
+  bool block_unknown_ = false;           ///< The node does not know block transfer.
   /// Reads in a row that it answered in segments, and not to block transfer before.
   unsigned silent_to_block_ = 0;
 
