@@ -122,16 +122,17 @@ bool SdoClient::settles(const SdoExchange& stop, Unanswered::Count& older) {
 }
 
 Error SdoClient::not_confirmed(const SdoExchange& stop) const {
-  Error error = addressed({.kind = ErrorKind::timeout, .outcome_unknown = true, .detail = "sent, not confirmed"},
-                          stop.transfer().object());
   const std::optional<Error>& why = stop.error();
+  std::string detail = "sent, not confirmed";
+  ErrorKind kind = ErrorKind::timeout;
   if (stop.answered()) {
-    error.detail += std::string(": ") + kMayBeOlder;
+    detail.append(": ").append(kMayBeOlder);
   } else if (why) {
-    error.kind = why->kind == ErrorKind::offline ? ErrorKind::offline : ErrorKind::timeout;
-    error.detail += ": " + why->detail;
+    kind = why->kind == ErrorKind::offline ? ErrorKind::offline : ErrorKind::timeout;
+    detail.append(": ").append(why->detail);
   }
-  return error;
+  Error error{.kind = kind, .outcome_unknown = true, .detail = std::move(detail)};
+  return addressed(std::move(error), stop.transfer().object());
 }
 
 }  // namespace canopen
