@@ -10,15 +10,8 @@
 namespace canopen {
 namespace {
 
-// A server that takes nothing of so many sub-blocks in a row never will.
-constexpr unsigned kMostWithoutAny = 3;
-
 std::size_t segments_of(std::size_t bytes) noexcept {
   return (bytes + kSegmentBytes - 1) / kSegmentBytes;
-}
-
-SdoReaction failed(std::string why, std::uint32_t abort_code) {
-  return {.step = SdoStep::failed, .why = std::move(why), .abort_code = abort_code};
 }
 
 }  // namespace

@@ -9,17 +9,6 @@
 #include "canopen/sdo/crc16.h"
 
 namespace canopen {
-namespace {
-
-// A server that gets nothing through in so many sub-blocks in a row never will.
-constexpr unsigned kMostWithoutAny = 3;
-
-SdoReaction failed(std::string why, std::uint32_t abort_code) {
-  return {.step = SdoStep::failed, .why = std::move(why), .abort_code = abort_code};
-}
-
-}  // namespace
-
 SdoBlockUpload::SdoBlockUpload(std::span<const std::uint8_t> accepted, std::size_t most) noexcept
     : crc_(supports_crc(accepted[0])), most_(most), newest_(whole_frame(accepted)) {}
 

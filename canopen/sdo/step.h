@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "canopen/sdo/frames.h"
 
@@ -23,5 +24,12 @@ struct SdoReaction {
   std::string why{};             ///< Of `failed`,
   std::uint32_t abort_code = 0;  ///< and what the server is told; 0: nothing.
 };
+
+[[nodiscard]] inline SdoReaction failed(std::string why, std::uint32_t abort_code) {
+  return {.step = SdoStep::failed, .why = std::move(why), .abort_code = abort_code};
+}
+
+/// Of sub-blocks in a row of which nothing got through: more never will.
+inline constexpr unsigned kMostWithoutAny = 3;
 
 }  // namespace canopen
