@@ -16,10 +16,6 @@ using canopen::Result;
 
 constexpr std::string_view kSpace = " \t\r\n";
 
-Error type_error(std::string detail) {
-  return {.kind = ErrorKind::type, .detail = std::move(detail)};
-}
-
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kSpace);
   if (first == std::string_view::npos) {
@@ -86,6 +82,10 @@ Result<Raw> named_raw(const config::Signal& signal, const std::string& name) {
 }
 
 }  // namespace
+
+Error type_error(std::string detail) {
+  return {.kind = ErrorKind::type, .detail = std::move(detail)};
+}
 
 // A whole number in a 64-bit integer type, which a double would round, is its raw value.
 Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text) {

@@ -35,6 +35,9 @@ struct Parsed {
 /// `read_only`, `type` and, for what a 64-bit type cannot hold, `range`.
 [[nodiscard]] canopen::Result<process::FieldWrite> field_of(const config::Drive& drive, std::size_t signal,
                                                             const Scalar& value);
+/// A mistake of kind `type`.
+[[nodiscard]] canopen::Error type_error(std::string detail);
+
 /// The number that a text is, for a value of this type: of the 64-bit ones the exact raw value where it is written as a
 /// whole number. `type`, `range`.
 [[nodiscard]] canopen::Result<process::GivenValue> number_in(canopen::DataType type, std::string_view text);

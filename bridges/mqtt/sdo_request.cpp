@@ -17,10 +17,6 @@ using canopen::ErrorKind;
 using canopen::Raw;
 using canopen::Result;
 
-Error type_error(std::string detail) {
-  return {.kind = ErrorKind::type, .detail = std::move(detail)};
-}
-
 Result<Raw> raw_of(DataType type, const Scalar& value) {
   if (value.kind == Scalar::Kind::boolean && type == DataType::boolean) {
     return Raw{value.text == "true" ? 1U : 0U};
