@@ -1,6 +1,7 @@
 #include "bridges/alarms/bus_findings.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "bridges/alarms/reason.h"
 
@@ -45,9 +46,12 @@ std::vector<BusFinding> bus_findings(const BusView& view) {
   if (view.other_gateway) {
     findings.push_back({"other-gateway", "another gateway of this name lives at the MQTT broker", Severity::warning});
   }
-  std::stable_partition(findings.begin(), findings.end(),
-                        [](const BusFinding& finding) { return finding.severity == Severity::fault; });
-  return findings;
+  std::vector<BusFinding> in_order;
+  for (const Severity severity : {Severity::fault, Severity::warning}) {
+    std::copy_if(findings.begin(), findings.end(), std::back_inserter(in_order),
+                 [severity](const BusFinding& finding) { return finding.severity == severity; });
+  }
+  return in_order;
 }
 
 }  // namespace alarms

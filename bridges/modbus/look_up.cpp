@@ -71,18 +71,17 @@ LookUp::LookUp(const boost::asio::any_io_executor& executor, std::string name, s
   shared_->executor = executor;
   shared_->answered = std::move(answered);
   std::thread([shared = shared_, name = std::move(name), port] {
-    auto [failed, endpoints] = ask(name, port);
+    auto answer = ask(name, port);
     const std::lock_guard lock(shared->mutex);
     if (!shared->executor) {
       return;
     }
     // Whoever asked is there as long as this is locked, and so is the loop.
-    boost::asio::post(shared->executor,
-                      [weak = std::weak_ptr(shared), failed = failed, endpoints = std::move(endpoints)]() mutable {
-                        if (const auto asked = weak.lock(); asked && asked->answered) {
-                          asked->answered(failed, std::move(endpoints));
-                        }
-                      });
+    boost::asio::post(shared->executor, [weak = std::weak_ptr(shared), answer = std::move(answer)]() mutable {
+      if (const auto asked = weak.lock(); asked && asked->answered) {
+        asked->answered(answer.first, std::move(answer.second));
+      }
+    });
   }).detach();
 }
 

@@ -24,10 +24,6 @@ struct Procedure {
   BootReport report{};
 };
 
-Raw milliseconds(Duration duration) noexcept {
-  return static_cast<Raw>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
-}
-
 void note(BootReport& report, const BootFailure& failure) {
   report.interrupted = failure.interrupted;
   report.letter = failure.interrupted ? BootResult::ok : failure.letter;
@@ -136,8 +132,8 @@ boost::asio::awaitable<Failure> await_heartbeat(const Procedure& procedure) {
   } else if (!alive) {
     failure =
         BootFailure{BootResult::no_heartbeat,
-                    "no heartbeat within " + std::to_string(milliseconds(control.heartbeat_timeout)) +
-                        " ms, although 0x1017:00 should be " + std::to_string(milliseconds(control.heartbeat)) + " ms"};
+                    "no heartbeat within " + std::to_string(whole_ms(control.heartbeat_timeout)) +
+                        " ms, although 0x1017:00 should be " + std::to_string(whole_ms(control.heartbeat)) + " ms"};
   }
   co_return failure;
 }

@@ -15,10 +15,6 @@ using Remarks = std::vector<std::string>;
 
 constexpr const char* kConsumerName = "consumer heartbeat time";
 
-Raw milliseconds(Duration duration) noexcept {
-  return static_cast<Raw>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
-}
-
 boost::asio::awaitable<Failure> make_so(SetupSession& session, SetupItem item, Remarks& remarks) {
   SetupOutcome outcome = co_await session.ensure(std::move(item));
   if (!outcome.remark.empty()) {
@@ -29,13 +25,13 @@ boost::asio::awaitable<Failure> make_so(SetupSession& session, SetupItem item, R
 
 SetupItem heartbeat_item(const ErrorControlSettings& control) {
   const ErrorControlKind kind = kind_of(control);
-  const Raw wanted = kind == ErrorControlKind::heartbeat ? milliseconds(control.heartbeat) : 0;
+  const Raw wanted = kind == ErrorControlKind::heartbeat ? whole_ms(control.heartbeat) : 0;
   SetupItem item{kProducerHeartbeat, DataType::u16, wanted, "heartbeat time", control.policy};
   item.least = 1;
   if (kind == ErrorControlKind::none) {
     item.most = 0xFFFF;  // One that nobody asked for does no harm.
   } else if (kind == ErrorControlKind::heartbeat || control.supervise_gateway <= Duration::zero()) {
-    item.most = milliseconds(control.heartbeat_timeout - std::chrono::nanoseconds(1));
+    item.most = whole_ms(control.heartbeat_timeout - std::chrono::nanoseconds(1));
   }  // Without requests of ours nothing would start its life guarding, so there a heartbeat will not do.
   return item;
 }
@@ -69,7 +65,7 @@ boost::asio::awaitable<ConsumerTable> read_consumer_table(SetupSession& session)
 /// CiA 301 §7.5.2.19.
 boost::asio::awaitable<Failure> set_up_consumer(SetupSession& session, Remarks& remarks) {
   const NodeSettings& settings = session.context().settings;
-  const Raw wanted = consumer_value(settings.gateway_node, milliseconds(settings.error_control.supervise_gateway));
+  const Raw wanted = consumer_value(settings.gateway_node, whole_ms(settings.error_control.supervise_gateway));
   ConsumerTable table = co_await read_consumer_table(session);
   if (table.failure) {
     co_return std::move(table.failure);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,11 @@
 #include "canopen/node/setup_session.h"
 
 namespace canopen {
+
+/// A time as 0x1016 and 0x1017 hold it.
+[[nodiscard]] inline Raw whole_ms(Duration duration) noexcept {
+  return static_cast<Raw>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
 
 struct ErrorControlOutcome {
   std::optional<BootFailure> failure;
