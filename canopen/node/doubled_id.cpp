@@ -110,11 +110,11 @@ Doubled DoubledId::verdict() const noexcept {
 }
 
 const std::string& DoubledId::text() const noexcept {
-  static const std::string kNothing;
+  static const std::string nothing;
   if (proof_) {
     return proof_->text;
   }
-  return hint_ ? hint_->text : kNothing;
+  return hint_ ? hint_->text : nothing;
 }
 
 TimePoint DoubledId::next() const noexcept {

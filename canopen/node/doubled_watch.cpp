@@ -8,8 +8,8 @@
 namespace canopen {
 namespace {
 
-constexpr std::uint32_t kSync = 0x080;
-constexpr std::uint32_t kNmt = 0x000;           // CiA 301 table 74.
+constexpr std::uint32_t kSyncCobId = 0x080;
+constexpr std::uint32_t kNmtCobId = 0x000;      // CiA 301 table 74.
 constexpr std::uint8_t kSlowestSyncTpdo = 240;  // CiA 301 table 67: 1 to 240 follow the SYNC.
 
 bool follows_sync(const PdoSettings& tpdo) {
@@ -38,7 +38,7 @@ DoubledWatch::DoubledWatch(const boost::asio::any_io_executor& executor, Bus& bu
 void DoubledWatch::start() {
   subscriptions_.push_back(bus_.subscribe(kErrorControlBase + settings_.node,
                                           [this](const Received& received) { on_error_control(received); }));
-  subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_foreign_nmt(received); }));
+  subscriptions_.push_back(bus_.subscribe(kNmtCobId, [this](const Received& received) { on_foreign_nmt(received); }));
   subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) { on_frames_lost(); }));
   std::size_t next = 0;
   for (const PdoSettings& tpdo : settings_.tpdos) {
@@ -50,7 +50,7 @@ void DoubledWatch::start() {
   }
   if (!tpdos_.empty()) {
     subscriptions_.push_back(
-        bus_.subscribe(kSync, [this](const Received& received) { foreign_sync_at_ = received.at; }));
+        bus_.subscribe(kSyncCobId, [this](const Received& received) { foreign_sync_at_ = received.at; }));
   }
 }
 

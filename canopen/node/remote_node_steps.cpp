@@ -18,14 +18,14 @@ namespace {
 constexpr Duration kSerialPause = std::chrono::seconds(10);
 /// So that two answers may be missing where the time of one is a third of heartbeat_timeout at most.
 constexpr int kLooksPerTimeout = 4;
-struct Sign {
+struct AskedObject {
   ObjectAddress object;
   DataType type;
 };
 // Every node has them (CiA 301 §7.5.2). In turn, for an object whose answer is missing cannot be asked for again at
 // once.
-constexpr std::array kSigns{Sign{kDeviceType, DataType::u32}, Sign{kErrorRegister, DataType::u8},
-                            Sign{kProducerHeartbeat, DataType::u16}};
+constexpr std::array kSigns{AskedObject{kDeviceType, DataType::u32}, AskedObject{kErrorRegister, DataType::u8},
+                            AskedObject{kProducerHeartbeat, DataType::u16}};
 
 }  // namespace
 
@@ -221,7 +221,7 @@ TimePoint RemoteNode::next_look() const {
 /// Any answer will do, an abort too: on_sign_of_life() hears it. One that is missing has taken its time already.
 boost::asio::awaitable<void> RemoteNode::read_for_sign_of_life(Life& life) {
   const Duration pace = settings_.error_control.heartbeat_timeout / kLooksPerTimeout;
-  for (const Sign& sign : kSigns) {
+  for (const AskedObject& sign : kSigns) {
     if (life.over() || Clock::now() < next_look()) {
       co_return;
     }

@@ -51,7 +51,7 @@ std::optional<std::size_t> bus_of(const DriveDraft& draft) {
 }
 
 /// Where only guarding is stated, there is no heartbeat: the two exclude each other.
-void take_error_control(DriveDraft& draft) {
+void take_profiled_error_control(DriveDraft& draft) {
   canopen::ErrorControlSettings& control = draft.drive.node.error_control;
   control = draft.keys.error_control;
   if (control.guarding == Duration::zero()) {
@@ -169,7 +169,7 @@ void take_own_keys(DriveDraft& draft) {
   if (std::find(kReserved.begin(), kReserved.end(), keys.name) != kReserved.end()) {
     draft.error(place_of(draft.site, "name"), "the name is that of a fixed topic; choose another");
   }
-  take_error_control(draft);
+  take_profiled_error_control(draft);
   check_timeout(draft);
   check_supervision(draft);
 }
