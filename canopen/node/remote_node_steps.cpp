@@ -20,7 +20,7 @@ constexpr Duration kSerialPause = std::chrono::seconds(10);
 constexpr int kLooksPerTimeout = 4;
 struct AskedObject {
   ObjectAddress object;
-  DataType type;
+  DataType type{};
 };
 // Every node has them (CiA 301 §7.5.2). In turn, for an object whose answer is missing cannot be asked for again at
 // once.
