@@ -55,7 +55,7 @@ std::pair<error_code, LookUp::Endpoints> ask(const std::string& name, std::uint1
     }
   }
   ::freeaddrinfo(found);
-  return {{}, std::move(endpoints)};
+  return std::make_pair(error_code(), std::move(endpoints));
 }
 
 }  // namespace

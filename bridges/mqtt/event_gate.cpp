@@ -69,7 +69,7 @@ std::future<void> let_go(std::unique_ptr<Client> client, std::unique_ptr<EventGa
   std::future<void> gone = task.get_future();
   try {
     std::thread(std::move(task)).detach();
-  } catch (const std::system_error&) {
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch)
     // No thread is to be had: `task` went with the client in it, here.
   }
   return gone;

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <iterator>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -122,14 +123,18 @@ bool wait_for(int descriptor, short events, Clock::time_point end) {
 
 // A connection to the first address that accepts; negative: none does. As Paho, IPv4 goes before IPv6. None takes the
 // time of those behind it.
-Socket connect_to(std::vector<std::string> addresses, std::uint16_t port, Clock::time_point end) {
-  std::ranges::stable_partition(addresses, [](const auto& each) { return each.find(':') == std::string::npos; });
+Socket connect_to(const std::vector<std::string>& addresses, std::uint16_t port, Clock::time_point end) {
+  std::vector<std::string> in_order;
+  for (const bool v6 : {false, true}) {
+    std::ranges::copy_if(addresses, std::back_inserter(in_order),
+                         [v6](const std::string& each) { return (each.find(':') != std::string::npos) == v6; });
+  }
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
   auto left = static_cast<Clock::rep>(addresses.size());
-  for (const std::string& address : addresses) {
+  for (const std::string& address : in_order) {
     const Clock::time_point share = Clock::now() + (end - Clock::now()) / left--;
     addrinfo* found = nullptr;
     if (getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) {
