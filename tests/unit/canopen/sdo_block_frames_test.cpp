@@ -23,7 +23,7 @@ using Step = SdoTransfer::Step;
 
 constexpr ObjectAddress kReadFile{0x1021, 0};
 
-SdoSettings with_block() {
+SdoSettings with_blocks() {
   SdoSettings settings;
   settings.block = true;
   return settings;
@@ -47,11 +47,11 @@ std::string text_of(std::span<const std::uint8_t> bytes) {
 class SdoBlockFramesTest : public testing::Test {
  protected:
   void begin_upload(std::size_t expected = 0) {
-    transfer_.emplace(SdoTransfer::upload(with_block(), kReadFile, expected));
+    transfer_.emplace(SdoTransfer::upload(with_blocks(), kReadFile, expected));
   }
   void begin_download(std::size_t size) {
     const Bytes data = counted(size);
-    transfer_.emplace(SdoTransfer::download(with_block(), kReadFile, data));
+    transfer_.emplace(SdoTransfer::download(with_blocks(), kReadFile, data));
   }
   [[nodiscard]] std::string request() const { return text_of(transfer_->request()); }
   Step hear(const Bytes& answer) { return transfer_->on_answer(answer, false); }
@@ -126,8 +126,8 @@ TEST_F(SdoBlockFramesTest, TheGoldenTraces) {
   for (const char* name : {"sdo-block-upload", "sdo-block-download"}) {
     SCOPED_TRACE(name);
     const bool reads = std::string(name) == "sdo-block-upload";
-    transfer_.emplace(reads ? SdoTransfer::upload(with_block(), {0x1008, 0}, 0)
-                            : SdoTransfer::download(with_block(), {0x2000, 1}, data));
+    transfer_.emplace(reads ? SdoTransfer::upload(with_blocks(), {0x1008, 0}, 0)
+                            : SdoTransfer::download(with_blocks(), {0x2000, 1}, data));
     Step step = Step::more;
     for (const simulator::TraceFrame& each : simulator::golden_trace(name)) {
       if (each.frame.id == 0x605) {

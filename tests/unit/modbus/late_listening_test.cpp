@@ -34,7 +34,7 @@ SlowNames slow_names;
 }  // namespace
 
 // Before that of the system, of which a test must not wait for a name server.
-extern "C" int getaddrinfo(const char* name, const char* service, const addrinfo* hints, addrinfo** found) noexcept {
+extern "C" int getaddrinfo(const char* name, const char* service, const addrinfo* hints, addrinfo** found) {
   const std::string_view asked(name == nullptr ? "" : name);
   if (asked == "no-such-host.invalid") {
     return EAI_NONAME;

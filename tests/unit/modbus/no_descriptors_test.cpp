@@ -34,7 +34,7 @@ class NoDescriptors {
   rlimit before_{};
 };
 
-bool is_closed(Site& site, TcpClient& client) {
+bool was_closed(Site& site, TcpClient& client) {
   return site.settle_until([&client] {
     client.receive();
     return client.closed();
@@ -52,8 +52,8 @@ TEST(NoDescriptorsLeft, WhoConnectsIsRefusedAtOnceAndWhatHeSentIsNeverCarriedOut
   ASSERT_EQ(late.send(write), write.size());
   {
     const NoDescriptors none;
-    EXPECT_TRUE(is_closed(site, late));
-    EXPECT_TRUE(is_closed(site, another));
+    EXPECT_TRUE(was_closed(site, late));
+    EXPECT_TRUE(was_closed(site, another));
     EXPECT_EQ(site.ask(before, kUnit, "03 0064 0001"), "03 02 0000");
   }
   EXPECT_EQ(site.server().refused(), 2U);
@@ -74,7 +74,7 @@ TEST(NoDescriptorsLeft, WhoMayWriteTakesThePlaceOfAStranger) {
   TcpClient scada(site.port(), "127.0.0.1", TcpClient::Buffers::usual, "127.0.0.9");
   const NoDescriptors none;
   EXPECT_EQ(site.ask(scada, kUnit, "03 0064 0001"), "03 02 0000");
-  EXPECT_TRUE(is_closed(site, stranger));
+  EXPECT_TRUE(was_closed(site, stranger));
   EXPECT_EQ(site.noticed("127.0.0.2: disconnected: made room for a client of write_from"), 1U);
 }
 

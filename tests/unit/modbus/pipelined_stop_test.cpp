@@ -21,8 +21,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr const char* kSlowWrite = "06 012c 0001";
-constexpr const char* kRun = "06 0064 0001";
-constexpr const char* kStop = "06 0064 0005";
+constexpr const char* kRunRequest = "06 0064 0001";
+constexpr const char* kStopRequest = "06 0064 0005";
 constexpr const char* kStopped = "86 04";
 
 config::Model model_with_stop() {
@@ -79,10 +79,10 @@ class PipelinedStop : public testing::Test {
 };
 
 TEST_F(PipelinedStop, ARunBehindASlowWriteIsNotSentAfterTheStopOfAnotherConnection) {
-  begin_slow_write({kRun});
+  begin_slow_write({kRunRequest});
   site_.loop().advance(milliseconds(100), milliseconds(10));
   site_.puppet().mute = false;
-  EXPECT_EQ(ask_meanwhile(other_, kStop), kStop);
+  EXPECT_EQ(ask_meanwhile(other_, kStopRequest), kStopRequest);
   site_.run(seconds(3));
   EXPECT_EQ(site_.answer(client_), "86 0b") << "the slow write";
   EXPECT_EQ(site_.answer(client_), kStopped) << "superseded";
@@ -92,10 +92,10 @@ TEST_F(PipelinedStop, ARunBehindASlowWriteIsNotSentAfterTheStopOfAnotherConnecti
 TEST_F(PipelinedStop, NorOneThatCameWhileTheWriteWasUnderWay) {
   begin_slow_write();
   site_.loop().advance(milliseconds(100), milliseconds(10));
-  send(client_, {kRun});
+  send(client_, {kRunRequest});
   site_.loop().advance(milliseconds(100), milliseconds(10));
   site_.puppet().mute = false;
-  EXPECT_EQ(ask_meanwhile(other_, kStop), kStop);
+  EXPECT_EQ(ask_meanwhile(other_, kStopRequest), kStopRequest);
   site_.run(seconds(3));
   EXPECT_EQ(site_.answer(client_), "86 0b");
   EXPECT_EQ(site_.answer(client_), kStopped);
@@ -106,19 +106,21 @@ TEST_F(PipelinedStop, ARunSentRightAfterAnAnswerIsAsNewAsItIs) {
   begin_slow_write();
   site_.loop().advance(milliseconds(100), milliseconds(10));
   site_.puppet().mute = false;
-  EXPECT_EQ(ask_meanwhile(other_, kStop), kStop);
-  EXPECT_EQ(ask_meanwhile(other_, kRun), kRun);
-  EXPECT_EQ(ask_meanwhile(other_, kStop), kStop);
+  EXPECT_EQ(ask_meanwhile(other_, kStopRequest), kStopRequest);
+  EXPECT_EQ(ask_meanwhile(other_, kRunRequest), kRunRequest);
+  EXPECT_EQ(ask_meanwhile(other_, kStopRequest), kStopRequest);
   site_.run(seconds(3));
   EXPECT_EQ(site_.answer(client_), "86 0b");
-  EXPECT_EQ(site_.ask(client_, kUnit, kRun), kRun);
+  EXPECT_EQ(site_.ask(client_, kUnit, kRunRequest), kRunRequest);
   EXPECT_EQ(control_words(), (Words{5, 1, 5, 1}));
 }
 
 TEST_F(PipelinedStop, AStopGoesBeforeTheWritesInFrontOfIt) {
   site_.puppet().written.clear();
-  send(client_, {"06 012c 0001", kRun, "06 012c 0002", "03 0064 0001", kStop, "03 0064 0001", "06 012c 0003"});
-  for (const char* const expected : {"06 012c 0001", kStopped, "06 012c 0002", "03 02 0005", kStop, "03 02 0005"}) {
+  send(client_,
+       {"06 012c 0001", kRunRequest, "06 012c 0002", "03 0064 0001", kStopRequest, "03 0064 0001", "06 012c 0003"});
+  for (const char* const expected :
+       {"06 012c 0001", kStopped, "06 012c 0002", "03 02 0005", kStopRequest, "03 02 0005"}) {
     EXPECT_EQ(site_.answer(client_), expected);
   }
   EXPECT_EQ(site_.answer(client_), "06 012c 0003");
@@ -128,17 +130,17 @@ TEST_F(PipelinedStop, AStopGoesBeforeTheWritesInFrontOfIt) {
 }
 
 TEST_F(PipelinedStop, WhatIsSentBehindAStopInOnePieceIsNewerThanIt) {
-  send(client_, {kRun, kStop, kRun});
+  send(client_, {kRunRequest, kStopRequest, kRunRequest});
   EXPECT_EQ(site_.answer(client_), kStopped);
-  EXPECT_EQ(site_.answer(client_), kStop);
-  EXPECT_EQ(site_.answer(client_), kRun);
+  EXPECT_EQ(site_.answer(client_), kStopRequest);
+  EXPECT_EQ(site_.answer(client_), kRunRequest);
   EXPECT_EQ(control_words(), (Words{5, 1}));
 }
 
 TEST_F(PipelinedStop, AStopWaitsForTheOneWriteThatIsUnderWayAndNoMore) {
   begin_slow_write({"06 012c 0002", "06 012c 0003", "06 012c 0004"});
   site_.loop().advance(milliseconds(100), milliseconds(10));
-  send(client_, {kStop});
+  send(client_, {kStopRequest});
   site_.puppet().mute = false;
   site_.run(seconds(2));
   ASSERT_FALSE(site_.puppet().written.empty());
@@ -146,7 +148,7 @@ TEST_F(PipelinedStop, AStopWaitsForTheOneWriteThatIsUnderWayAndNoMore) {
 }
 
 TEST_F(PipelinedStop, SoDoesAStopForAll) {
-  send(client_, {"06 012c 0001", kRun, "!06 0014 0001"});
+  send(client_, {"06 012c 0001", kRunRequest, "!06 0014 0001"});
   EXPECT_EQ(site_.answer(client_), "06 012c 0001");
   EXPECT_EQ(site_.answer(client_), kStopped);
   EXPECT_EQ(site_.answer(client_), "06 0014 0001");
@@ -155,10 +157,10 @@ TEST_F(PipelinedStop, SoDoesAStopForAll) {
 }
 
 TEST_F(PipelinedStop, TwoStopsAreAnsweredInOrder) {
-  send(client_, {"06 012c 0001", "06 0064 0006", kStop, "06 012c 0002"});
+  send(client_, {"06 012c 0001", "06 0064 0006", kStopRequest, "06 012c 0002"});
   EXPECT_EQ(site_.answer(client_), "06 012c 0001");
   EXPECT_EQ(site_.answer(client_), "06 0064 0006");
-  EXPECT_EQ(site_.answer(client_), kStop);
+  EXPECT_EQ(site_.answer(client_), kStopRequest);
   EXPECT_EQ(site_.answer(client_), "06 012c 0002");
   EXPECT_EQ(control_words(), (Words{6, 5}));
 }
