@@ -222,8 +222,7 @@ std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::s
   }
   if (how == SSL_ERROR_WANT_READ) {
     return "TLS: the broker does not answer the handshake; it may hang or be starting, or this is not its TLS port (as "
-           "a "
-           "rule 8883)";
+           "a rule 8883)";
   }
   const long certificate = SSL_get_verify_result(session.get());
   return certificate != X509_V_OK ? tls_text_of_certificate(certificate, depth, broker, files)

@@ -3,15 +3,12 @@
 #include <utility>
 
 #include "canopen/bus/bus.h"
+#include "canopen/cob_id.h"
 #include "canopen/sdo/frames.h"
 
 namespace canopen {
 namespace {
 
-// CiA 301 tables 74 and 75.
-constexpr std::uint32_t kNmt = 0x000;
-constexpr std::uint32_t kSync = 0x080;
-constexpr std::uint32_t kErrorControlBase = 0x700;
 constexpr std::uint8_t kHighestNodeId = 127;
 
 constexpr Duration kStep = std::chrono::milliseconds(200);
@@ -31,10 +28,10 @@ void BusWatch::start() {
 
 // Our own frames come back as echoes, which are never dispatched: whatever comes here is somebody else's.
 void BusWatch::subscribe() {
-  subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_nmt(received); }));
+  subscriptions_.push_back(bus_.subscribe(kNmtCobId, [this](const Received& received) { on_nmt(received); }));
   if (bus_.settings().sync > Duration::zero()) {
     subscriptions_.push_back(
-        bus_.subscribe(kSync, [this](const Received& received) { hear(MasterSign::sync, received.at); }));
+        bus_.subscribe(kSyncCobId, [this](const Received& received) { hear(MasterSign::sync, received.at); }));
   }
   for (std::uint8_t node = 1; node <= kHighestNodeId; ++node) {
     subscriptions_.push_back(bus_.subscribe(

@@ -2,19 +2,14 @@
 
 #include <array>
 
+#include "canopen/cob_id.h"
 #include "canopen/nmt.h"
 
 namespace canopen {
-namespace {
-
-constexpr std::uint32_t kHeartbeatBase = 0x700;
-constexpr std::uint32_t kSyncCobId = 0x080;
-
-}  // namespace
 
 Frame heartbeat_frame(std::uint8_t node_id) noexcept {
   const std::array state{static_cast<std::uint8_t>(NmtState::operational)};
-  return make_frame(kHeartbeatBase + node_id, state);
+  return make_frame(kErrorControlBase + node_id, state);
 }
 
 Frame sync_frame() noexcept {

@@ -72,7 +72,7 @@ void DoubledId::on_nmt(NmtCommand command, TimePoint at) {
 void DoubledId::on_second_answer(bool different, TimePoint at) {
   if (different) {
     prove(at, "two different SDO answers came to one request");
-  } else if (const auto before = std::exchange(same_answer_at_, at); before && at - *before < kForgotten) {
+  } else if (const auto before = std::exchange(further_answer_at_, at); before && at - *before < kForgotten) {
     hint(at, "SDO answers come twice");
   }
 }
@@ -84,7 +84,7 @@ void DoubledId::on_doubled_tpdo(std::uint16_t number, TimePoint at) {
 void DoubledId::end() noexcept {
   proof_.reset();
   hint_.reset();
-  same_answer_at_.reset();
+  further_answer_at_.reset();
   on_frames_lost();
 }
 

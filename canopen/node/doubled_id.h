@@ -86,7 +86,7 @@ class DoubledId {
   RateCheck rate_;
   std::array<std::optional<State>, 2> before_{};  ///< The states before the newest one, newest first.
   std::optional<TimePoint> boot_up_at_;
-  std::optional<TimePoint> same_answer_at_;
+  std::optional<TimePoint> further_answer_at_;
   std::optional<TimePoint> nmt_at_;    ///< Of the newest NMT command.
   std::optional<TimePoint> reset_at_;  ///< Of the newest that ends in a boot-up.
   std::optional<Sign> proof_;

@@ -3,13 +3,13 @@
 #include <utility>
 
 #include "canopen/bus/bus.h"
+#include "canopen/cob_id.h"
+#include "canopen/nmt_frame.h"
 #include "canopen/node/heartbeat_consumer.h"
 
 namespace canopen {
 namespace {
 
-constexpr std::uint32_t kSyncCobId = 0x080;
-constexpr std::uint32_t kNmtCobId = 0x000;      // CiA 301 table 74.
 constexpr std::uint8_t kSlowestSyncTpdo = 240;  // CiA 301 table 67: 1 to 240 follow the SYNC.
 
 bool follows_sync(const PdoSettings& tpdo) {
@@ -89,11 +89,8 @@ void DoubledWatch::on_error_control(const Received& received) {
 
 // Our own commands come back as echoes, which are never dispatched.
 void DoubledWatch::on_foreign_nmt(const Received& received) {
-  const auto bytes = received.frame.bytes();
-  if (bytes.size() < 2 || (bytes[1] != 0 && bytes[1] != settings_.node)) {
-    return;
-  }
-  if (const std::optional<NmtCommand> command = nmt_command_of(bytes[0])) {
+  const std::optional<std::uint8_t> specifier = nmt_specifier_for(received.frame, settings_.node);
+  if (const std::optional<NmtCommand> command = specifier ? nmt_command_of(*specifier) : std::nullopt) {
     id_.on_nmt(*command, received.at);
   }
 }

@@ -7,13 +7,11 @@
 #include <span>
 
 #include "canopen/clock.h"
+#include "canopen/cob_id.h"
 #include "canopen/nmt.h"
 #include "canopen/wake_up.h"
 
 namespace canopen {
-
-/// COB-ID of error control, without the node id (CiA 301 table 75).
-inline constexpr std::uint32_t kErrorControlBase = 0x700;
 
 /// A message on 0x700 + node id: boot-up, heartbeat or guarding answer (CiA 301 §7.2.8.3).
 struct HeartbeatMessage {

@@ -286,7 +286,7 @@ boost::asio::awaitable<void> RemoteNode::serve(Life& life) {
     co_await life.wait_until(next);
     co_await restart_if_due(life);
     co_await read_for_sign_of_life(life);
-    co_await read_serial_if_hinted(life);
+    co_await read_serial_if_doubled(life);
   }
 }
 
@@ -349,7 +349,7 @@ boost::asio::awaitable<void> RemoteNode::pause_and_look(Life& life, TimePoint un
   while (!life.over() && Clock::now() < until) {
     const TimePoint next = std::min(until, next_serial_read());
     co_await life.wait_until(next);
-    co_await read_serial_if_hinted(life);
+    co_await read_serial_if_doubled(life);
   }
 }
 

@@ -172,7 +172,7 @@ class RemoteNode {
   boost::asio::awaitable<std::string> why_not_to_restart(const LifeContext& context);
   boost::asio::awaitable<void> restart_if_due(Life& life);
   [[nodiscard]] TimePoint next_serial_read() const noexcept;
-  boost::asio::awaitable<void> read_serial_if_hinted(Life& life);
+  boost::asio::awaitable<void> read_serial_if_doubled(Life& life);
   [[nodiscard]] bool without_error_control() const noexcept {
     return kind_of(settings_.error_control) == ErrorControlKind::none;
   }

@@ -5,25 +5,20 @@
 #include <span>
 
 #include "canopen/bus/bus.h"
+#include "canopen/cob_id.h"
+#include "canopen/nmt_frame.h"
 #include "canopen/node/emcy.h"
 #include "canopen/node/remote_node.h"
 #include "canopen/sdo/frames.h"
 
 namespace canopen {
-namespace {
-
-// CiA 301 tables 74 and 75.
-constexpr std::uint32_t kNmt = 0x000;
-constexpr std::uint32_t kEmcyBase = 0x080;
-
-}  // namespace
 
 void RemoteNode::subscribe() {
   const std::uint32_t node = settings_.node;
   subscriptions_.push_back(
       bus_.subscribe(kErrorControlBase + node, [this](const Received& received) { on_error_control(received); }));
   subscriptions_.push_back(bus_.subscribe(kEmcyBase + node, [this](const Received& received) { on_emcy(received); }));
-  subscriptions_.push_back(bus_.subscribe(kNmt, [this](const Received& received) { on_foreign_nmt(received); }));
+  subscriptions_.push_back(bus_.subscribe(kNmtCobId, [this](const Received& received) { on_foreign_nmt(received); }));
   for (std::size_t i = 0; i < tpdos_.size(); ++i) {
     subscriptions_.push_back(bus_.subscribe(settings_.tpdos[i].cob_id,
                                             [this, i](const Received& received) { on_tpdo(tpdos_[i], received); }));
@@ -151,8 +146,7 @@ void RemoteNode::on_emcy(const Received& received) {
 
 // Our own commands come back as echoes, which are never dispatched.
 void RemoteNode::on_foreign_nmt(const Received& received) {
-  const std::span<const std::uint8_t> bytes = received.frame.bytes();
-  if (bytes.size() >= 2 && (bytes[1] == 0 || bytes[1] == settings_.node)) {
+  if (nmt_specifier_for(received.frame, settings_.node)) {
     restart_.hear_foreign_nmt();
     self_start_due_ = false;  // Who started it is not known.
     if (expectation_.left_by_itself()) {

@@ -239,7 +239,7 @@ TimePoint RemoteNode::next_serial_read() const noexcept {
 
 /// Two nodes answer with two numbers; the SDO client hears the second one. With proof, too: it lasts as long as both
 /// are there.
-boost::asio::awaitable<void> RemoteNode::read_serial_if_hinted(Life& life) {
+boost::asio::awaitable<void> RemoteNode::read_serial_if_doubled(Life& life) {
   if (life.over() || Clock::now() < next_serial_read()) {
     co_return;
   }

@@ -7,23 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "canopen/communication_objects.h"
 #include "tests/unit/canopen/node_life_bench.h"
 
 namespace canopen {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr ObjectAddress kGuardTimeOfDrive{0x100C, 0};
-constexpr ObjectAddress kFactorOfDrive{0x100D, 0};
-
-NodeSettings guarded_each_200_ms() {
-  NodeSettings settings = with_motor();
-  settings.error_control.heartbeat = Duration::zero();
-  settings.error_control.guarding = 200ms;
-  settings.error_control.has_guarding = true;
-  return settings;
-}
 
 class ForeignLifeGuardingTest : public NodeLifeBench {
  protected:
@@ -42,8 +32,8 @@ class ForeignLifeGuardingTest : public NodeLifeBench {
     loop_.advance(3s);
   }
   void set_life_guarding(Raw guard_time, Raw factor) {
-    slave_.set(kGuardTimeOfDrive, DataType::u16, guard_time);
-    slave_.set(kFactorOfDrive, DataType::u8, factor);
+    slave_.set(kGuardTime, DataType::u16, guard_time);
+    slave_.set(kLifeTimeFactor, DataType::u8, factor);
   }
   [[nodiscard]] std::size_t requests() const {
     const std::vector<Frame> heard = slave_.heard_on(0x705);
@@ -70,7 +60,7 @@ class ForeignLifeGuardingTest : public NodeLifeBench {
 };
 
 TEST_F(ForeignLifeGuardingTest, AfterALossTheRequestsEndWhereItIsFound) {
-  boot_guarded(guarded_each_200_ms());
+  boot_guarded(guarded_each(200ms));
   come_back_armed(127);
   ASSERT_TRUE(loop_.advance_until([this] { return told("another master has set life guarding"); }, 5s));
   EXPECT_EQ(status().boot_result, BootResult::not_configured);
@@ -80,7 +70,7 @@ TEST_F(ForeignLifeGuardingTest, AfterALossTheRequestsEndWhereItIsFound) {
 }
 
 TEST_F(ForeignLifeGuardingTest, TheSameWhereItRuns) {
-  boot_guarded(guarded_each_200_ms());
+  boot_guarded(guarded_each(200ms));
   come_back_armed(5);
   ASSERT_TRUE(loop_.advance_until([this] { return told("another master has set life guarding"); }, 5s));
   EXPECT_EQ(status().boot_result, BootResult::left_alone);
@@ -90,7 +80,7 @@ TEST_F(ForeignLifeGuardingTest, TheSameWhereItRuns) {
 }
 
 TEST_F(ForeignLifeGuardingTest, TheSameWhereOurOwnWouldBeAnother) {
-  NodeSettings settings = guarded_each_200_ms();
+  NodeSettings settings = guarded_each(200ms);
   settings.error_control.supervise_gateway = 1s;
   boot_guarded(settings);
   come_back_armed(5);
@@ -100,7 +90,7 @@ TEST_F(ForeignLifeGuardingTest, TheSameWhereOurOwnWouldBeAnother) {
 }
 
 TEST_F(ForeignLifeGuardingTest, ReadAndRebootedAtOnceNoRequestLeavesBeforeItIsReadAnew) {
-  install_guarded(guarded_each_200_ms());
+  install_guarded(guarded_each(200ms));
   const std::unique_ptr<Link> other = wire_.connect();
   bool rebooted = false;
   // The last answer of the check, and its boot-up with what another master stored, in one batch.
@@ -113,7 +103,7 @@ TEST_F(ForeignLifeGuardingTest, ReadAndRebootedAtOnceNoRequestLeavesBeforeItIsRe
     set_life_guarding(100, 3);
     return std::vector<Bytes>{};
   });
-  start(guarded_each_200_ms());
+  start(guarded_each(200ms));
   slave_.boot_up();
   ASSERT_TRUE(loop_.advance_until([&] { return rebooted; }, 5s));
   loop_.advance(10s, 1ms);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "canopen/communication_objects.h"
 #include "canopen/node/life_guarding.h"
 #include "tests/unit/canopen/node_life_bench.h"
 
@@ -14,25 +15,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr ObjectAddress kGuardTimeObject{0x100C, 0};
-constexpr ObjectAddress kFactorObject{0x100D, 0};
-
-NodeSettings guarded_settings() {
-  NodeSettings settings = with_motor();
-  settings.error_control.heartbeat = Duration::zero();
-  settings.error_control.guarding = 500ms;
-  settings.error_control.has_guarding = true;
-  return settings;
-}
-
 class NodeGuardingTest : public NodeLifeBench {
  protected:
   /// A drive with guarding, and no heartbeat.
   void install_guarded(const NodeSettings& settings) {
     install(settings);
     slave_.set(kHeartbeatTime, DataType::u16, 0);
-    slave_.set(kGuardTimeObject, DataType::u16, 0);
-    slave_.set(kFactorObject, DataType::u8, 0);
+    slave_.set(kGuardTime, DataType::u16, 0);
+    slave_.set(kLifeTimeFactor, DataType::u8, 0);
     slave_.answer_guarding(true);
     motor_stands();
   }
@@ -48,8 +38,8 @@ class NodeGuardingTest : public NodeLifeBench {
     start(settings);
   }
   void arm_life_guarding() {
-    slave_.set(kGuardTimeObject, DataType::u16, 300);
-    slave_.set(kFactorObject, DataType::u8, 3);
+    slave_.set(kGuardTime, DataType::u16, 300);
+    slave_.set(kLifeTimeFactor, DataType::u8, 3);
   }
   [[nodiscard]] std::vector<Frame> requests() const { return slave_.heard_on(0x705); }
   [[nodiscard]] bool remarked(const std::string& part) const {
@@ -59,7 +49,7 @@ class NodeGuardingTest : public NodeLifeBench {
 };
 
 TEST_F(NodeGuardingTest, BootedByItsBootUpAndSupervisedByRequests) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::booted});
   EXPECT_EQ(nmt_heard(), std::vector<Frame>{nmt(1)});
   EXPECT_TRUE(slave_.writes().empty()) << "0x100C and 0x100D are only read";
@@ -76,8 +66,8 @@ TEST_F(NodeGuardingTest, BootedByItsBootUpAndSupervisedByRequests) {
 }
 
 TEST_F(NodeGuardingTest, NoRequestBeforeBothObjectsWereRead) {
-  install_guarded(guarded_settings());
-  start(guarded_settings());
+  install_guarded(guarded_each(500ms));
+  start(guarded_each(500ms));
   slave_.boot_up();
   ASSERT_TRUE(wait_online());
   const std::vector<Frame>& heard = slave_.heard();
@@ -88,23 +78,23 @@ TEST_F(NodeGuardingTest, NoRequestBeforeBothObjectsWereRead) {
       return frame.id == 0x605 && reads(Bytes(frame.data.begin(), frame.data.end()), object);
     });
   };
-  EXPECT_TRUE(read_before(kGuardTimeObject));
-  EXPECT_TRUE(read_before(kFactorObject));
+  EXPECT_TRUE(read_before(kGuardTime));
+  EXPECT_TRUE(read_before(kLifeTimeFactor));
 }
 
 TEST_F(NodeGuardingTest, WithoutTheObjectsThereIsNoLifeGuardingToStart) {
-  install_guarded(guarded_settings());
-  slave_.remove(kGuardTimeObject);
-  slave_.remove(kFactorObject);
-  start(guarded_settings());
+  install_guarded(guarded_each(500ms));
+  slave_.remove(kGuardTime);
+  slave_.remove(kLifeTimeFactor);
+  start(guarded_each(500ms));
   slave_.boot_up();
   EXPECT_TRUE(wait_online()) << status().boot_text;
 }
 
 TEST_F(NodeGuardingTest, AHeartbeatIsSwitchedOffFirst) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   slave_.set(kHeartbeatTime, DataType::u16, 500);
-  start(guarded_settings());
+  start(guarded_each(500ms));
   slave_.boot_up();
   ASSERT_TRUE(wait_online()) << status().boot_text;
   EXPECT_EQ(slave_.writes(), std::vector<ObjectAddress>{kHeartbeatTime});
@@ -112,7 +102,7 @@ TEST_F(NodeGuardingTest, AHeartbeatIsSwitchedOffFirst) {
 }
 
 TEST_F(NodeGuardingTest, FoundRunningItIsTakenOver) {
-  run_guarded(guarded_settings());
+  run_guarded(guarded_each(500ms));
   ASSERT_TRUE(wait_online(4s)) << status().boot_text;
   EXPECT_EQ(events_.arrivals, std::vector<Arrival>{Arrival::taken_over});
   EXPECT_EQ(status().nmt, NmtState::operational);
@@ -120,10 +110,10 @@ TEST_F(NodeGuardingTest, FoundRunningItIsTakenOver) {
 }
 
 TEST_F(NodeGuardingTest, ARunningDriveWithAHeartbeatThatFitsIsSupervisedByThat) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   slave_.set(kHeartbeatTime, DataType::u16, 400);
   slave_.set_state(5);
-  start(guarded_settings());
+  start(guarded_each(500ms));
   ASSERT_TRUE(wait_online()) << status().boot_text;
   EXPECT_TRUE(remarked("0x1017:00 heartbeat time: expected 0, found 400, which will do"));
   loop_.advance(10s, 5ms);
@@ -133,7 +123,7 @@ TEST_F(NodeGuardingTest, ARunningDriveWithAHeartbeatThatFitsIsSupervisedByThat) 
 }
 
 TEST_F(NodeGuardingTest, SilenceIsALossAndItsReturnIsFound) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3s);
   slave_.unplug(true);
   loop_.advance(1400ms);
@@ -152,7 +142,7 @@ TEST_F(NodeGuardingTest, SilenceIsALossAndItsReturnIsFound) {
 }
 
 TEST_F(NodeGuardingTest, ItsBootUpIsABoot) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3300ms);
   slave_.boot_up();
   loop_.settle();
@@ -163,7 +153,7 @@ TEST_F(NodeGuardingTest, ItsBootUpIsABoot) {
 }
 
 TEST_F(NodeGuardingTest, LeavingOperationalIsToldByTheNextAnswer) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3s);
   slave_.forget_heard();
   slave_.set_state(127);
@@ -177,14 +167,14 @@ TEST_F(NodeGuardingTest, LeavingOperationalIsToldByTheNextAnswer) {
 }
 
 TEST_F(NodeGuardingTest, WithoutAnswersItIsLetterF) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   slave_.answer_guarding(false);
-  boot(guarded_settings());
+  boot(guarded_each(500ms));
   expect_letter(BootResult::no_guarding, "no guarding answer within 1500 ms");
 }
 
 TEST_F(NodeGuardingTest, AStoppedOneIsKnownAsStopped) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3s);
   const auto stopped = command(NmtCommand::stop);
   loop_.advance(2s, 1ms);
@@ -197,7 +187,7 @@ TEST_F(NodeGuardingTest, AStoppedOneIsKnownAsStopped) {
 // ---- The toggle bit.
 
 TEST_F(NodeGuardingTest, OneLostAnswerIsARemarkAndNoLoss) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3s);
   slave_.answer_guarding(false);
   loop_.advance(500ms);
@@ -213,7 +203,7 @@ TEST_F(NodeGuardingTest, OneLostAnswerIsARemarkAndNoLoss) {
 }
 
 TEST_F(NodeGuardingTest, AToggleBitThatStandsStillIsNoSignOfLife) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3s);
   slave_.toggle(false);
   loop_.advance(2600ms);
@@ -233,15 +223,15 @@ TEST_F(NodeGuardingTest, AToggleBitThatStandsStillIsNoSignOfLife) {
 }
 
 TEST_F(NodeGuardingTest, ABootWithAToggleBitThatStandsStillIsLetterF) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   slave_.toggle(false);
-  boot(guarded_settings());
+  boot(guarded_each(500ms));
   expect_letter(BootResult::no_guarding, "alternating toggle bits");
 }
 
 TEST_F(NodeGuardingTest, FoundRunningWithAToggleBitThatStandsStillItIsLetterE) {
   slave_.toggle(false);
-  run_guarded(guarded_settings());
+  run_guarded(guarded_each(500ms));
   loop_.advance(4s);
   expect_letter(BootResult::no_error_control, "alternating toggle bits");
   loop_.advance(60s, 5ms);
@@ -250,7 +240,7 @@ TEST_F(NodeGuardingTest, FoundRunningWithAToggleBitThatStandsStillItIsLetterE) {
 }
 
 TEST_F(NodeGuardingTest, AfterABootUpTheFirstAnswerHasTheBitZero) {
-  boot_guarded(guarded_settings());
+  boot_guarded(guarded_each(500ms));
   loop_.advance(3s);
   slave_.answer_guarding(false);
   slave_.boot_up();
@@ -265,10 +255,10 @@ TEST_F(NodeGuardingTest, AfterABootUpTheFirstAnswerHasTheBitZero) {
 // ---- Life guarding.
 
 TEST_F(NodeGuardingTest, BootedWithLifeGuardingOfAnotherMasterItIsLetterJAndNotOneRequestIsSent) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   slave_.set(kHeartbeatTime, DataType::u16, 700);
   arm_life_guarding();
-  boot(guarded_settings());
+  boot(guarded_each(500ms));
   expect_letter(BootResult::not_configured, "another master has set life guarding");
   EXPECT_TRUE(told("0x100C:00 guard time is 300 ms and 0x100D:00 life time factor 3"));
   loop_.advance(60s, 5ms);
@@ -277,10 +267,10 @@ TEST_F(NodeGuardingTest, BootedWithLifeGuardingOfAnotherMasterItIsLetterJAndNotO
 }
 
 TEST_F(NodeGuardingTest, FoundRunningWithItItIsLeftAloneAndNotOneRequestIsSent) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   arm_life_guarding();
   slave_.set_state(5);
-  start(guarded_settings());
+  start(guarded_each(500ms));
   for (int i = 0; i < 600; ++i) {
     send_tpdo(0x0627, 1);
     loop_.advance(100ms, 5ms);
@@ -290,45 +280,45 @@ TEST_F(NodeGuardingTest, FoundRunningWithItItIsLeftAloneAndNotOneRequestIsSent) 
 }
 
 TEST_F(NodeGuardingTest, WhereNothingTellsAndItsMotorRunsItIsLeftAlone) {
-  install_guarded(guarded_settings());
+  install_guarded(guarded_each(500ms));
   arm_life_guarding();
   slave_.set(kStatusWord, DataType::u16, 0x0627);
   slave_.set_state(5);
-  start(guarded_settings());
+  start(guarded_each(500ms));
   loop_.advance(60s, 5ms);
   expect_left_alone("its motor runs");
   EXPECT_TRUE(requests().empty());
 }
 
 TEST_F(NodeGuardingTest, OneOfBothObjectsAloneIsNoLifeGuarding) {
-  install_guarded(guarded_settings());
-  slave_.set(kGuardTimeObject, DataType::u16, 300);
-  start(guarded_settings());
+  install_guarded(guarded_each(500ms));
+  slave_.set(kGuardTime, DataType::u16, 300);
+  start(guarded_each(500ms));
   slave_.boot_up();
   EXPECT_TRUE(wait_online()) << status().boot_text;
-  EXPECT_EQ(slave_.value(kGuardTimeObject), 300U) << "left as it is";
+  EXPECT_EQ(slave_.value(kGuardTime), 300U) << "left as it is";
 }
 
 TEST_F(NodeGuardingTest, UnreadableObjectsAreNoPermission) {
-  install_guarded(guarded_settings());
-  slave_.mute(kFactorObject);
-  boot(guarded_settings());
+  install_guarded(guarded_each(500ms));
+  slave_.mute(kLifeTimeFactor);
+  boot(guarded_each(500ms));
   loop_.advance(30s, 5ms);
   expect_letter(BootResult::not_configured, "0x100D:00");
   EXPECT_TRUE(requests().empty());
 }
 
 TEST_F(NodeGuardingTest, SuperviseGatewaySetsLifeGuardingBeforeTheFirstRequest) {
-  NodeSettings settings = guarded_settings();
+  NodeSettings settings = guarded_each(500ms);
   settings.error_control.supervise_gateway = 1600ms;
   install_guarded(settings);
   arm_life_guarding();
   start(settings);
   slave_.boot_up();
   ASSERT_TRUE(wait_online()) << status().boot_text;
-  EXPECT_EQ(slave_.value(kGuardTimeObject), 500U);
-  EXPECT_EQ(slave_.value(kFactorObject), 4U) << "rounded up";
-  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{kGuardTimeObject, kFactorObject}));
+  EXPECT_EQ(slave_.value(kGuardTime), 500U);
+  EXPECT_EQ(slave_.value(kLifeTimeFactor), 4U) << "rounded up";
+  EXPECT_EQ(slave_.writes(), (std::vector<ObjectAddress>{kGuardTime, kLifeTimeFactor}));
   const std::vector<Frame>& heard = slave_.heard();
   const auto last_write = std::find_if(heard.rbegin(), heard.rend(), [](const Frame& frame) {
     return frame.id == 0x605 && (frame.data[0] & 0xE0U) == 0x20;
@@ -337,11 +327,11 @@ TEST_F(NodeGuardingTest, SuperviseGatewaySetsLifeGuardingBeforeTheFirstRequest) 
 }
 
 TEST_F(NodeGuardingTest, OurOwnLifeGuardingIsKnownAgain) {
-  NodeSettings settings = guarded_settings();
+  NodeSettings settings = guarded_each(500ms);
   settings.error_control.supervise_gateway = 1600ms;
   install_guarded(settings);
-  slave_.set(kGuardTimeObject, DataType::u16, 500);
-  slave_.set(kFactorObject, DataType::u8, 4);
+  slave_.set(kGuardTime, DataType::u16, 500);
+  slave_.set(kLifeTimeFactor, DataType::u8, 4);
   slave_.set_state(5);
   start(settings);
   ASSERT_TRUE(wait_online(4s)) << status().boot_text;
@@ -349,7 +339,7 @@ TEST_F(NodeGuardingTest, OurOwnLifeGuardingIsKnownAgain) {
 }
 
 TEST_F(NodeGuardingTest, ARunningDriveWithOtherLifeGuardingIsLeftAlone) {
-  NodeSettings settings = guarded_settings();
+  NodeSettings settings = guarded_each(500ms);
   settings.error_control.supervise_gateway = 1600ms;
   install_guarded(settings);
   arm_life_guarding();

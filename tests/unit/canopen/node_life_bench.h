@@ -34,6 +34,15 @@ inline NodeSettings with_motor() {
   return settings;
 }
 
+/// Without heartbeat, asked each `period` whether it lives.
+inline NodeSettings guarded_each(Duration period) {
+  NodeSettings settings = with_motor();
+  settings.error_control.heartbeat = Duration::zero();
+  settings.error_control.guarding = period;
+  settings.error_control.has_guarding = true;
+  return settings;
+}
+
 /// A node that others act on, too: its own panel, another master, the one who switches it off.
 class NodeLifeBench : public NodeCommandBench {
  protected:

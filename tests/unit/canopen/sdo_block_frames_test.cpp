@@ -211,7 +211,7 @@ TEST_F(SdoBlockFramesTest, OfADownloadOnlyWhatWasNotAcknowledgedIsSentAgain) {
   EXPECT_EQ(request(), "84 1D 1E 1F 20 21 22 23");
   EXPECT_EQ(hear({0xA2, 2, 1, 0, 0, 0, 0, 0}), Step::more);
   EXPECT_EQ(request(), "01 16 17 18 19 1A 1B 1C");
-  EXPECT_EQ(transfer_->on_departure(), Step::ignored) << "of the size that the server asks for now";
+  EXPECT_EQ(transfer_->on_departure(), Step::ignored) << "a sub-block is as long as the newest acknowledgement says";
   EXPECT_EQ(hear({0xA2, 1, 1, 0, 0, 0, 0, 0}), Step::more);
   EXPECT_EQ(request(), "81 1D 1E 1F 20 21 22 23");
 }

@@ -1,15 +1,19 @@
 // The search for the cause why TLS fails, without a publisher.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <openssl/ssl.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -58,12 +62,12 @@ TEST(TlsMistake, AnAddressThatNobodyAnswersAtLeavesTimeForTheNext) {
   EXPECT_TRUE(says(mistake, kSilent)) << mistake;
 }
 
-/// Serves one client, of whom it wants a certificate; after the client takes the handshake for done (TLS 1.3) it takes
-/// its time before it says what is wrong.
-class SlowJudge {
+/// Serves one client, of whom it wants a certificate. With TLS 1.3 the client takes the handshake for done before that
+/// is looked at: so much is waited for. Then it says what is wrong, or nothing at all.
+class Judge {
  public:
-  SlowJudge(const support::Certificate& own, std::chrono::milliseconds thinks) {
-    thread_ = std::thread([this, own, thinks] {
+  Judge(const support::Certificate& own, bool speaks) {
+    thread_ = std::thread([this, own, speaks] {
       const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_server_method()), &SSL_CTX_free);
       SSL_CTX_use_certificate_file(context.get(), own.cert.c_str(), SSL_FILETYPE_PEM);
       SSL_CTX_use_PrivateKey_file(context.get(), own.key.c_str(), SSL_FILETYPE_PEM);
@@ -71,33 +75,66 @@ class SlowJudge {
       const std::unique_ptr<SSL, decltype(&SSL_free)> session(SSL_new(context.get()), &SSL_free);
       const int client = port_.take();
       SSL_set_fd(session.get(), client);
-      pollfd wait{client, POLLIN, 0};
-      poll(&wait, 1, 10'000);
-      SSL_accept(session.get());  // answers the first words; the client's second ones are not read yet
-      std::this_thread::sleep_for(thinks);
+      // Its second words must be there and not be read yet when the first ones are answered.
+      fcntl(client, F_SETFL, fcntl(client, F_GETFL) | O_NONBLOCK);
+      wait_for_words_of(client);
       SSL_accept(session.get());
-      poll(&wait, 1, 10'000);  // until the client goes
+      wait_for_words_of(client);
+      if (speaks) {
+        SSL_accept(session.get());
+      } else {
+        std::array<char, 4096> unread{};
+        (void)::recv(client, unread.data(), unread.size(), 0);
+      }
+      wait_for_words_of(client);  // Until it goes.
       close(client);
     });
   }
-  ~SlowJudge() { thread_.join(); }
-  SlowJudge(const SlowJudge&) = delete;
-  SlowJudge& operator=(const SlowJudge&) = delete;
+  ~Judge() { thread_.join(); }
+  Judge(const Judge&) = delete;
+  Judge& operator=(const Judge&) = delete;
   [[nodiscard]] std::uint16_t port() const { return port_.port(); }
 
  private:
+  static void wait_for_words_of(int client) {
+    pollfd wait{client, POLLIN, 0};
+    poll(&wait, 1, 10'000);
+  }
+
   FirstWords port_;
   std::thread thread_;
 };
 
-TEST(TlsMistake, ABrokerThatRefusesLateIsHeardForAllThatIsLeft) {
-  std::string name = (std::filesystem::temp_directory_path() / "tls-mistake-XXXXXX").string();
-  ASSERT_NE(mkdtemp(name.data()), nullptr);
-  const support::Authority ours(name, "ours");
-  const SlowJudge judge(ours.issue("broker", "DNS:localhost"), 1300ms);
-  const std::string mistake = tls_mistake(broker_at(judge.port()), {"127.0.0.1"}, {.ca = ours.file().string()}, 10s);
+class TlsJudged : public testing::Test {
+ protected:
+  TlsJudged() {
+    if (mkdtemp(name_.data()) == nullptr) {
+      throw std::runtime_error("no directory");
+    }
+    ours_ = std::make_unique<support::Authority>(name_, "ours");
+  }
+  ~TlsJudged() override { std::filesystem::remove_all(name_); }
+
+  std::string judged_by(bool speaks, std::chrono::milliseconds patience) {
+    const Judge judge(ours_->issue("broker", "DNS:localhost"), speaks);
+    return tls_mistake(broker_at(judge.port()), {"127.0.0.1"}, {.ca = ours_->file().string()}, patience);
+  }
+
+ private:
+  std::string name_ = (std::filesystem::temp_directory_path() / "tls-mistake-XXXXXX").string();
+  std::unique_ptr<support::Authority> ours_;
+};
+
+TEST_F(TlsJudged, ABrokerThatRefusesBehindTheHandshakeIsHeard) {
+  const std::string mistake = judged_by(true, 10s);
   EXPECT_TRUE(says(mistake, "the broker wants a client certificate")) << mistake;
-  std::filesystem::remove_all(name);
+}
+
+TEST_F(TlsJudged, ARefusalIsWaitedForAsLongAsThereIsTime) {
+  constexpr auto kPatience = 1200ms;
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(judged_by(false, kPatience), "") << "a broker that waits for the CONNECT has nothing against us";
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, kPatience);
 }
 
 TEST(TlsMistake, FilesThatAreMissingAreToldInTheSystemsWords) {
