@@ -4,19 +4,19 @@ namespace canopen {
 namespace {
 
 struct StoppedTime {
-  bool active = false;
+  unsigned holders = 0;  ///< So many ManualTime live.
   TimePoint monotonic;
   WallTime wall;
   std::uint64_t readings = 0;
 };
 
-// Written by tests only; the daemon only ever reads `active == false`.
+// Written by tests only; the daemon only ever reads `holders == 0`.
 StoppedTime stopped;
 
 }  // namespace
 
 Clock::time_point Clock::now() noexcept {
-  if (stopped.active) {
+  if (stopped.holders != 0) {
     ++stopped.readings;
     return stopped.monotonic;
   }
@@ -24,7 +24,7 @@ Clock::time_point Clock::now() noexcept {
 }
 
 WallTime wall_now() noexcept {
-  if (stopped.active) {
+  if (stopped.holders != 0) {
     ++stopped.readings;
     return stopped.wall;
   }
@@ -40,11 +40,11 @@ ManualTime::ManualTime() noexcept {
   stopped.monotonic = TimePoint(hours(1));
   stopped.wall = sys_days(year(2026) / January / 2) + hours(3) + minutes(4) + seconds(5);
   stopped.readings = 0;
-  stopped.active = true;
+  ++stopped.holders;
 }
 
 ManualTime::~ManualTime() {
-  stopped.active = false;
+  --stopped.holders;
 }
 
 void ManualTime::advance(Duration by) noexcept {
@@ -53,7 +53,7 @@ void ManualTime::advance(Duration by) noexcept {
 }
 
 bool ManualTime::active() noexcept {
-  return stopped.active;
+  return stopped.holders != 0;
 }
 
 std::uint64_t ManualTime::readings() noexcept {
@@ -61,7 +61,7 @@ std::uint64_t ManualTime::readings() noexcept {
 }
 
 Duration WaitTraits::to_wait_duration(const Duration& duration) noexcept {
-  return stopped.active ? Duration::zero() : duration;
+  return stopped.holders != 0 ? Duration::zero() : duration;
 }
 
 Duration WaitTraits::to_wait_duration(const TimePoint& expiry) noexcept {

@@ -34,7 +34,8 @@ inline constexpr TimePoint kNever = TimePoint::max();
 /// read.
 [[nodiscard]] TimePoint or_soon(TimePoint at, TimePoint now = Clock::now()) noexcept;
 
-/// While one lives, both clocks stand still and move only by advance(). Single-threaded tests only.
+/// While one lives, both clocks stand still and move only by advance(). A second one begins at the same time again and
+/// shares it with the first. Single-threaded tests only.
 class ManualTime {
  public:
   /// Wall time starts at 2026-01-02T03:04:05Z, the monotonic clock at one hour.

@@ -32,12 +32,11 @@ Arrivals::Between Arrivals::of(std::uint64_t position) const {
   return part == parts().end() ? Between{looked_, looked_} : part->came;
 }
 
-Arrivals::Between Arrivals::take(std::uint64_t position) {
+void Arrivals::forget(std::uint64_t position) {
   const auto begin = parts_.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(count_);
-  const auto first = std::find_if(begin, end, [position](const Part& each) { return each.end >= position; });
+  const auto first = std::find_if(begin, end, [position](const Part& each) { return each.end > position; });
   count_ = static_cast<std::size_t>(std::move(first, end, begin) - begin);
-  return of(position);
 }
 
 }  // namespace modbus

@@ -25,10 +25,11 @@ class Arrivals {
   void on_look(std::uint64_t position, canopen::TimePoint now);
   /// Nothing had been there, and it was waited for: what is new came at `now`.
   void on_awaited(std::uint64_t position, canopen::TimePoint now);
-  /// Of the byte before `position`, which was looked at. To be asked in order: what is before it is forgotten.
-  [[nodiscard]] Between take(std::uint64_t position);
-  /// The same; nothing is forgotten.
+  /// Of the byte before `position`, which was looked at and is not forgotten.
   [[nodiscard]] Between of(std::uint64_t position) const;
+  /// All before `position` was served, reads as well as writes: what is not forgotten takes room, and where there is
+  /// none what comes later counts as older than it is.
+  void forget(std::uint64_t position);
 
  private:
   struct Part {

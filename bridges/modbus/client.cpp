@@ -74,6 +74,7 @@ awaitable<void> Client::serve() {
         // What is there by now was sent before it is answered.
         look();
       }
+      arrivals_.forget(taken_ - filled_ + used);
       const std::span<const std::uint8_t> answer = word_answer(frame);
       if (answer.empty()) {
         ended_ = "disconnected: there are no words for its answer";
@@ -210,7 +211,7 @@ awaitable<void> Client::write(std::uint8_t unit, std::size_t used) {
 }
 
 process::Origin Client::origin_of(std::uint64_t position) {
-  Arrivals::Between came = arrivals_.take(position);
+  Arrivals::Between came = arrivals_.of(position);
   if (!overtaken_.empty()) {
     // A stop behind it has gone first, perhaps one of the same moment.
     came.earliest = std::min(came.earliest, overtaken_.front().came - canopen::Duration(1));

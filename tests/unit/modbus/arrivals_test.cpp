@@ -19,9 +19,10 @@ canopen::TimePoint at(int second) {
 class ArrivalsTest : public testing::Test {
  protected:
   void expect(std::uint64_t position, int earliest, int latest) {
-    const Arrivals::Between came = arrivals_.take(position);
+    const Arrivals::Between came = arrivals_.of(position);
     EXPECT_EQ(came.earliest, at(earliest)) << position;
     EXPECT_EQ(came.latest, at(latest)) << position;
+    arrivals_.forget(position);
   }
   Arrivals arrivals_{kBegin};
 };
@@ -65,6 +66,23 @@ TEST_F(ArrivalsTest, OfMoreThanItKeepsTheLastAreLessSure) {
   expect(40, 15, 40);
   arrivals_.on_look(41, at(41));
   expect(41, 40, 41);
+}
+
+// A SCADA reads for hours before it writes.
+TEST_F(ArrivalsTest, WhatWasServedTakesNoRoom) {
+  for (int i = 1; i <= 100; ++i) {
+    arrivals_.on_awaited(static_cast<std::uint64_t>(i) * 12, at(i));
+    arrivals_.forget(static_cast<std::uint64_t>(i) * 12);
+  }
+  arrivals_.on_awaited(101 * 12, at(200));
+  expect(101 * 12, 200, 200);
+}
+
+TEST_F(ArrivalsTest, WhatComesBehindWhatWasServedIsKept) {
+  arrivals_.on_awaited(12, at(1));
+  arrivals_.on_look(36, at(4));
+  arrivals_.forget(24);
+  expect(36, 1, 4);
 }
 
 }  // namespace

@@ -110,6 +110,7 @@ class GeneralReferenceTest : public testing::Test {
     return model;
   }
   void begin(config::Model model) {
+    site_.reset();  // Two of them would share one stopped clock.
     site_ = std::make_unique<Site>(std::move(model));
     site_->puppet().dictionary[kOtherObject] = {.value = 0x04030201, .size = 4};
     site_->bring_up();

@@ -206,6 +206,15 @@ TEST_F(Writes, AWaitingWriteHoldsOnlyThatClient) {
   EXPECT_EQ(site_.answer(waiting), "03 02 0001");
 }
 
+TEST_F(Writes, AClientMayReadForLongBeforeItWrites) {
+  for (int second = 0; second < 60; ++second) {
+    EXPECT_EQ(ask("03 03e9 0001"), "03 02 0005");
+    site_.run(std::chrono::seconds(1));
+  }
+  EXPECT_EQ(ask("06 012c 1388"), "06 012c 1388");
+  EXPECT_EQ(puppet().written.size(), 1U);
+}
+
 TEST_F(Writes, AClientThatLeavesDuringItsWriteDoesNoHarm) {
   puppet().mute = true;
   const auto request = frame(kUnit, "06 012c 0001");
