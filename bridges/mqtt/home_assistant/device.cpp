@@ -45,7 +45,7 @@ void append_gone(std::string& out, std::string_view platform) {
 }  // namespace
 
 Device device_of(const config::Drive& drive, const Topics& topics, std::size_t index, const config::Mqtt& settings,
-                 std::string_view version, const Entities& gone) {
+                 std::string_view version, const Entities& before) {
   const DriveTopics& of_drive = topics.drive(index);
   std::vector<Entity> entities;
   append_readings(entities, drive, of_drive, settings);
@@ -64,8 +64,10 @@ Device device_of(const config::Drive& drive, const Topics& topics, std::size_t i
     components.key(entity.key) += entity.config;
     device.entities.emplace(std::move(entity.key), std::move(entity.platform));
   }
-  for (const auto& [key, platform] : gone) {
-    append_gone(components.key(key), platform);
+  for (const auto& [key, platform] : before) {
+    if (!device.entities.contains(key)) {
+      append_gone(components.key(key), platform);
+    }
   }
   components.close();
   message.close();

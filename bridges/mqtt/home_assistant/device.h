@@ -21,9 +21,9 @@ struct Device {
   Entities entities;    ///< That are in it, without those that it removes.
 };
 
-/// `gone`: entities of before that are to be removed; what is published is none of them.
+/// `before`: entities that Home Assistant may know; those that are no more are removed.
 [[nodiscard]] Device device_of(const config::Drive& drive, const Topics& topics, std::size_t index,
-                               const config::Mqtt& settings, std::string_view version, const Entities& gone);
+                               const config::Mqtt& settings, std::string_view version, const Entities& before);
 
 /// The entities of a message that a broker keeps, but for those that it removes; nothing where it is no message of the
 /// gateway whose status lies there. Whatever the bytes are.

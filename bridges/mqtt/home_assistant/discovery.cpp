@@ -39,7 +39,7 @@ Discovery::Discovery(const config::Model& model, const config::Mqtt& settings, c
       leftovers_(leftovers),
       version_(std::move(version)),
       node_(node_of(topics.root())),
-      gone_(model.drives.size()) {
+      before_(model.drives.size()) {
   if (!settings.home_assistant.empty()) {
     prefixes_.insert(settings.home_assistant);
   }
@@ -109,15 +109,14 @@ void Discovery::kept(const Incoming& message, canopen::TimePoint now) {
     return;
   }
   const auto index = static_cast<std::size_t>(drive - model_.drives.begin());
-  const Entities published = device_of(*drive, topics_, index, settings_, version_, {}).entities;
-  Entities& gone = gone_[index];
-  const std::size_t before = gone.size();
+  const std::size_t known = before_[index].size();
   for (const auto& [key, platform] : *entities) {
-    if (!published.contains(key) && gone.size() < kMostGone) {
-      gone.emplace(key, platform);
+    if (before_[index].size() < kMostEntities) {
+      before_[index].emplace(key, platform);
     }
   }
-  if (gone.size() > before) {
+  const bool told_already = due_ == canopen::kNever || drive_ > index;
+  if (before_[index].size() > known && told_already) {
     tell_all_at(now + kPause);
   }
 }
@@ -135,7 +134,7 @@ void Discovery::collect(canopen::TimePoint now, std::vector<Message>& out) {
   }
   const config::Drive& drive = model_.drives[drive_];
   out.push_back({.topic = topic_of(settings_.home_assistant, drive.name),
-                 .payload = device_of(drive, topics_, drive_, settings_, version_, gone_[drive_]).message});
+                 .payload = device_of(drive, topics_, drive_, settings_, version_, before_[drive_]).message});
   if (++drive_ == model_.drives.size()) {
     drive_ = 0;
     told_ = now;

@@ -26,8 +26,8 @@ class Discovery {
   static constexpr canopen::Duration kPause = std::chrono::seconds(1);
   /// It is not told again sooner, however often it starts.
   static constexpr canopen::Duration kLeast = std::chrono::seconds(10);
-  /// Entities of one drive that are removed, and prefixes of before.
-  static constexpr std::size_t kMostGone = 1000;
+  /// Of one drive, of before; and prefixes of before.
+  static constexpr std::size_t kMostEntities = 2000;
   static constexpr std::size_t kMostPrefixes = 16;
 
   /// All outlive it.
@@ -60,7 +60,7 @@ class Discovery {
   std::string version_;
   std::string node_;
   std::set<std::string> prefixes_;  ///< In use now, and of before.
-  std::vector<Entities> gone_;      ///< By drive: to be removed.
+  std::vector<Entities> before_;    ///< By drive: what the broker keeps of it, or kept.
   std::size_t drive_ = 0;           ///< The next one to be told of.
   canopen::TimePoint told_ = canopen::TimePoint::min();
   canopen::TimePoint due_ = canopen::kNever;

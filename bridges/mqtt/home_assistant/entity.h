@@ -18,7 +18,7 @@ namespace mqtt::home_assistant {
 /// Something of a drive that Home Assistant shows, or lets people command.
 struct Entity {
   std::string platform;
-  std::string key;     ///< Names it among those of its drive; begins with the platform.
+  std::string key;       ///< Names it among those of its drive; begins with the platform.
   std::string config{};  ///< A JSON object.
 };
 

@@ -10,10 +10,9 @@ namespace {
 
 namespace json = boost::json;
 
-// Of a drive with some hundred signals; more is none of ours.
-constexpr std::size_t kLongestKept = 512UL * 1024;
+// `B/info` of a site with some hundred drives.
+constexpr std::size_t kLongestKept = 4UL * 1024 * 1024;
 constexpr std::size_t kDeepestKept = 8;
-constexpr std::size_t kMostEntities = 2048;
 constexpr std::size_t kLongestKey = 128;
 
 json::object object_of(std::string_view text) {
@@ -58,7 +57,7 @@ std::optional<Entities> read_kept_device(std::string_view message, std::string_v
   Entities entities;
   const json::value* const found = kept.if_contains("components");
   const json::object* const components = found == nullptr ? nullptr : found->if_object();
-  if (components == nullptr || components->size() > kMostEntities) {
+  if (components == nullptr) {
     return entities;
   }
   for (const auto& [key, value] : *components) {

@@ -21,9 +21,9 @@ class HomeAssistantDeviceTest : public testing::Test {
  protected:
   config::Drive& drive() { return model_.drives[0]; }
   config::Signal& signal(test::SignalPosition position) { return drive().signals[position]; }
-  Device device(const Entities& gone = {}) {
+  Device device(const Entities& before = {}) {
     const Topics topics(model_, settings_, "line3");
-    return device_of(drive(), topics, 0, settings_, "1.2.3", gone);
+    return device_of(drive(), topics, 0, settings_, "1.2.3", before);
   }
   json::object components() { return json::parse(device().message).at("components").as_object(); }
   /// As it stands in the message; empty: it is not there.
@@ -215,7 +215,7 @@ TEST_F(HomeAssistantDeviceTest, WhatCanBeReadIsShownWhereItIsChosen) {
 }
 
 TEST_F(HomeAssistantDeviceTest, WhatIsGoneIsNamedWithItsPlatformAlone) {
-  const Device made = device({{"sensor_old", "sensor"}});
+  const Device made = device({{"sensor_nmt", "sensor"}, {"sensor_old", "sensor"}});
   EXPECT_NE(made.message.find(R"("sensor_old":{"platform":"sensor"}})"), std::string::npos) << made.message;
   EXPECT_FALSE(made.entities.contains("sensor_old"));
   EXPECT_EQ(read_kept_device(made.message, "canopen/line3/status"), made.entities) << "that is no entity of it";
