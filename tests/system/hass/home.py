@@ -2,6 +2,7 @@
 gateway uses, after the documentation: a value that renders to None is `unknown`; to nothing, or to what is no value of
 the entity, it stays as it was; without all of its availability topics at `online`, or longer than `expire_after` after
 the last message of its state, an entity is `unavailable`."""
+import functools
 import json
 
 import jinja2
@@ -10,6 +11,19 @@ from hass.rules import TOPIC
 
 ENVIRONMENT = jinja2.Environment()
 UNKNOWN, UNAVAILABLE = "unknown", "unavailable"
+
+
+@functools.lru_cache(maxsize=None)
+def template(text):
+    return ENVIRONMENT.from_string(text)
+
+
+@functools.lru_cache(maxsize=1)
+def variables(payload):
+    try:
+        return {"value": payload, "value_json": json.loads(payload)}
+    except ValueError:
+        return {"value": payload}
 
 
 class Entity:
@@ -28,11 +42,7 @@ class Entity:
 
     def value_of(self, payload):
         try:
-            variables = {"value": payload, "value_json": json.loads(payload)}
-        except ValueError:
-            variables = {"value": payload}
-        try:
-            text = ENVIRONMENT.from_string(self.config["value_template"]).render(variables).strip()
+            text = template(self.config["value_template"]).render(variables(payload)).strip()
         except jinja2.TemplateError:
             return self.state
         platform = self.config["platform"]
@@ -111,6 +121,6 @@ class Home:
                 if platform == "number" and not entity.config["min"] <= float(value) <= entity.config["max"]:
                     raise SystemExit(f"{value} is out of the range of {key}")
                 if "command_template" in entity.config:
-                    payload = ENVIRONMENT.from_string(entity.config["command_template"]).render(value=value)
+                    payload = template(entity.config["command_template"]).render(value=value)
                 return entity.config["command_topic"], entity.config["qos"], payload
         raise SystemExit(f"no {key} of {device}")
