@@ -246,6 +246,7 @@ struct Mqtt {
   Duration expiry = default_expiry(max_interval);   ///< MQTT 5: of live topics; 0: they stand for ever.
   std::optional<std::vector<std::string>> answers;  ///< Filters of response topics; nothing: any outside of `base`.
   std::string stale_payload;                        ///< Of a plain topic while its value is not fresh.
+  std::string home_assistant;                       ///< Prefix of its discovery topics; empty: off. Needs `state`.
   friend bool operator==(const Mqtt&, const Mqtt&) = default;
 };
 

@@ -33,6 +33,7 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       status_(topics_.status(), settings, true),
       health_(topics_.health(), settings),
       leftovers_(plant.model(), settings, topics_),
+      home_assistant_(plant.model(), settings, topics_, leftovers_, version_),
       other_(std::move(instance), settings, notice_,
              [this] {
                plant_.set_other_gateway(other_.lives());
@@ -43,6 +44,7 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       timer_(executor_),
       wake_at_(kNever),
       ended_(executor_) {
+  session_.watch_too(home_assistant_.subscriptions());
   feeds_.reserve(plant.size());
   for (std::size_t i = 0; i < plant.size(); ++i) {
     feeds_.emplace_back(plant.drive(i), topics_.drive(i), settings);
@@ -177,6 +179,7 @@ void Bridge::announce() {
   health_.forget();
   status_.forget();
   leftovers_.announced(canopen::Clock::now());
+  home_assistant_.announced(canopen::Clock::now());
   collect(canopen::Clock::now());
   send_batch();
   broker_->open(session_.connection());
@@ -203,7 +206,8 @@ void Bridge::collect(canopen::TimePoint now) {
   }
   status_.collect(true, now, batch_);  // last: it says that all else is there
   leftovers_.collect(other_.lives(), now, batch_, notice_);
-  next_ = std::min({next_, health_.next(), status_.next(), leftovers_.next()});
+  home_assistant_.collect(now, batch_);
+  next_ = std::min({next_, health_.next(), status_.next(), leftovers_.next(), home_assistant_.next()});
 }
 
 void Bridge::follow_session() {

@@ -14,6 +14,7 @@
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/feed.h"
 #include "bridges/mqtt/health_topic.h"
+#include "bridges/mqtt/home_assistant/discovery.h"
 #include "bridges/mqtt/leftovers.h"
 #include "bridges/mqtt/notice.h"
 #include "bridges/mqtt/other_gateway.h"
@@ -88,6 +89,10 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void tell_again();
   void collect(canopen::TimePoint now);
   void send_batch();
+  /// A message of the look, or on a connection that is given up.
+  void looked_at(const Incoming& message);
+  /// A message that is not on our tree.
+  void elsewhere(const Incoming& message);
   /// Somebody published on the topic of a status.
   void status_received(const Incoming& message, const Route& route);
   void health_may_differ();
@@ -106,6 +111,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   StatusTopic status_;
   HealthTopic health_;
   Leftovers leftovers_;
+  home_assistant::Discovery home_assistant_;
   OtherGateway other_;
   PutRightTally put_right_;
   std::vector<Feed> feeds_;     ///< By drive.

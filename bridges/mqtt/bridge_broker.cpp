@@ -1,5 +1,6 @@
 // What the broker tells the bridge.
 
+#include <algorithm>
 #include <utility>
 
 #include "bridges/mqtt/bridge.h"
@@ -52,13 +53,12 @@ void Bridge::on_unsubscribed(const std::string& /*filter*/) {
 void Bridge::on_message(Incoming message) {
   // A stop counts however it comes: carried out twice it does no harm, lost it does.
   if (session_.sets_aside(message, canopen::Clock::now()) && !requests_.is_stop(message)) {
-    leftovers_.heard(message);
+    looked_at(message);
     return;
   }
   const auto route = topics_.route(message.topic);
   if (!route) {
-    session_.stray(message);
-    follow_session();
+    elsewhere(message);
   } else if (route->kind == Route::Kind::alarm) {
     wake(alarms_.received(message, canopen::Clock::now()));
   } else if (route->kind == Route::Kind::status) {
@@ -71,6 +71,23 @@ void Bridge::on_message(Incoming message) {
   } else {
     requests_.handle(message, *route);
   }
+}
+
+void Bridge::looked_at(const Incoming& message) {
+  leftovers_.heard(message);
+  if (message.retained && message.topic == topics_.info()) {
+    home_assistant_.info_kept(message.payload);
+    session_.watch_too(home_assistant_.subscriptions());
+  }
+}
+
+void Bridge::elsewhere(const Incoming& message) {
+  if (home_assistant_.heard(message, canopen::Clock::now())) {
+    wake(std::min(home_assistant_.next(), leftovers_.next()));
+    return;
+  }
+  session_.stray(message);
+  follow_session();
 }
 
 void Bridge::status_received(const Incoming& message, const Route& route) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bridges/mqtt/message.h"
@@ -44,6 +45,8 @@ struct Subscription {
   bool own_too = false;
   /// Much may come at once, and of each topic only the newest counts: it costs no command its place.
   bool bulk = false;
+  /// Of a watched one, in words: what goes wrong where it is refused. Empty: what others write is not put right.
+  std::string_view lost{};
 };
 
 /// What a broker tells, on the loop, in the order in which it happened; and what it asks.

@@ -92,6 +92,8 @@ std::string info_json(const config::Model& model, const Topics& topics, std::str
   object.text("instance", instance);
   object.text("gateway", model.gateway.name);
   object.text("base", topics.root());
+  const std::string& prefix = model.mqtt ? model.mqtt->home_assistant : std::string();
+  object.text("home_assistant", prefix.empty() ? std::nullopt : std::optional(prefix));
   text::append_list(object.key("buses"), model.buses, append_bus);
   text::append_list(
       object.key("drives"), std::views::iota(std::size_t{0}, model.drives.size()),

@@ -102,8 +102,18 @@ void Leftovers::heard(const Incoming& message) {
 
 void Leftovers::announced(canopen::TimePoint now) {
   std::erase_if(kept_, [this](const auto& each) { return !each.second.empty() && !drives_.contains(each.second); });
+  announced_ = now;
   if (!kept_.empty()) {
     due_ = in_use_ ? now + patience_ : now;
+  }
+}
+
+void Leftovers::found(const std::string& topic, canopen::TimePoint now) {
+  if (kept_.size() < kMost) {
+    kept_.emplace(topic, std::string());
+  }
+  if (announced_) {
+    due_ = std::min(due_, in_use_ ? std::max(now, *announced_ + patience_) : now);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ class Leftovers {
 
   /// A message of Topics::tree_subscription(); those that the broker did not keep are ignored.
   void heard(const Incoming& message);
+  /// A topic of ours outside of the tree, kept by the broker and not published.
+  void found(const std::string& topic, canopen::TimePoint now);
   /// All that we publish was published, `online` last, on a new connection.
   void announced(canopen::TimePoint now);
   /// When to come to collect().
@@ -42,9 +45,10 @@ class Leftovers {
   canopen::Duration patience_;
   std::set<std::string, std::less<>> published_;  ///< All that we publish retained of drives and buses.
   std::set<std::string, std::less<>> drives_;     ///< Names that are drives, or were: they have a status or alarms.
-  std::map<std::string, std::string> kept_;       ///< Of our forms, and not published: the drive; empty: of a bus.
+  std::map<std::string, std::string> kept_;       ///< Of our forms, and not published: the drive; empty: no drive's.
   bool in_use_ = false;  ///< `B/status` is kept as `online`: our last life ended without a word, or another one lives.
   canopen::TimePoint due_ = canopen::kNever;
+  std::optional<canopen::TimePoint> announced_;  ///< When; on this connection or the last one.
 };
 
 }  // namespace mqtt

@@ -7,6 +7,18 @@ namespace mqtt {
 
 using canopen::kNever;
 
+namespace {
+
+// What goes wrong where it is refused.
+std::string lost_by(const Subscription& subscription) {
+  if (!subscription.watched) {
+    return "Commands that come there do not arrive";
+  }
+  return subscription.lost.empty() ? "What others write there is not put right" : std::string(subscription.lost);
+}
+
+}  // namespace
+
 void Session::connected(const Connected& connection, canopen::TimePoint now) {
   connection_ = connection.id;
   place_ = &places_[connection.broker];
@@ -41,6 +53,7 @@ void Session::lost() {
 
 void Session::leave_out(const std::string& filter, const std::string& times) {
   const bool look = filter == topics_.tree_subscription().filter;
+  const auto entry = std::ranges::find(entries_, filter, [](const Entry& each) { return each.subscription.filter; });
   if (look) {
     place_->looked = true;
   } else {
@@ -48,8 +61,8 @@ void Session::leave_out(const std::string& filter, const std::string& times) {
   }
   notice_(Level::error, "MQTT: " + times + " in a row the connection broke at the subscription to " + filter +
                             ": it is left out at this broker until the gateway's next start. " +
-                            (look ? "Topics of drives and signals that are gone stay there"
-                                  : "What others write there is not put right") +
+                            (look || entry == entries_.end() ? "Topics of drives and signals that are gone stay there"
+                                                             : lost_by(entry->subscription)) +
                             "; give the gateway's user the right to read there");
 }
 
@@ -201,15 +214,15 @@ void Session::refuse(Entry& entry, const std::string& why, canopen::TimePoint no
   entry.at = now + entry.pause;
   entry.pause = std::min(2 * entry.pause, kLongestPause);
   if (said_.insert(entry.subscription.filter).second) {
-    notice_(Level::error, "MQTT: the subscription to " + entry.subscription.filter + " is refused: " + why +
-                              (entry.subscription.watched ? ". What others write there is not put right"
-                                                          : ". Commands that come there do not arrive") +
+    notice_(Level::error, "MQTT: the subscription to " + entry.subscription.filter + " is refused: " + why + ". " +
+                              lost_by(entry.subscription) +
                               ". It is tried again; give the gateway's user the right to read there");
   }
 }
 
 void Session::ask_watched(canopen::TimePoint now) {
   std::vector<Subscription> watched = topics_.watched_subscriptions();
+  watched.insert(watched.end(), watched_too_.begin(), watched_too_.end());
   std::erase_if(watched, [this](const Subscription& each) { return place_->left_out.contains(each.filter); });
   ask(Phase::watching, std::move(watched), now);
 }

@@ -45,6 +45,8 @@ class Session {
   Session(Broker& broker, const Topics& topics, Notice notice)
       : broker_(broker), topics_(topics), notice_(std::move(notice)) {}
 
+  /// What is watched beside the gateway's own topics, from the next connection on, or the end of its look.
+  void watch_too(std::vector<Subscription> subscriptions) { watched_too_ = std::move(subscriptions); }
   void connected(const Connected& connection, canopen::TimePoint now);
   void lost();
   void subscribed(const Subscribed& answer, canopen::TimePoint now);
@@ -97,6 +99,7 @@ class Session {
   Broker& broker_;
   const Topics& topics_;
   Notice notice_;
+  std::vector<Subscription> watched_too_;
   ConnectionId connection_ = 0;
   std::map<std::string, Place> places_;  ///< By broker.
   Place* place_ = nullptr;               ///< Of this connection.

@@ -44,6 +44,7 @@ bool is_publishable(std::string_view topic) {
 DriveTopics topics_of(const config::Drive& drive, const std::string& root) {
   const std::string parent = root + "/" + drive.name + "/";
   DriveTopics topics;
+  topics.root = root + "/" + drive.name;
   topics.status = parent + "status";
   topics.state = parent + "state";
   topics.control = parent + "control";

@@ -15,6 +15,7 @@ namespace mqtt {
 
 /// Topics of one drive, written out once.
 struct DriveTopics {
+  std::string root;  ///< What the others begin with, without a slash.
   std::string status;
   std::string state;
   std::string control;

@@ -35,10 +35,13 @@ void check_brokers(const Node& table, const Mqtt& mqtt, Report& report) {
   }
 }
 
+bool is_topic(const std::string& text) {
+  return !text.empty() && !text.starts_with('/') && !text.ends_with('/') && !text.starts_with('$') &&
+         text.find_first_of("+#") == std::string::npos && text.find("//") == std::string::npos;
+}
+
 void check_base(const Node& table, const std::string& base, Report& report) {
-  const bool good = !base.empty() && !base.starts_with('/') && !base.ends_with('/') && !base.starts_with('$') &&
-                    base.find_first_of("+#") == std::string::npos && base.find("//") == std::string::npos;
-  if (!good) {
+  if (!is_topic(base)) {
     report.error(place_of(table, "base"),
                  "mqtt.base " + in_quotes(base) + " must be a topic without '+', '#', a leading '$', or an empty part");
   }
@@ -188,6 +191,26 @@ void check_answers(const Node& table, const std::string& base, Report& report) {
   }
 }
 
+/// Its entities take their values from `state`.
+void check_home_assistant(const Node& table, const Mqtt& mqtt, Report& report) {
+  const std::string& prefix = mqtt.home_assistant;
+  if (prefix.empty()) {
+    return;
+  }
+  const std::string label = "mqtt.home_assistant " + in_quotes(prefix);
+  const Place place = place_of(table, "home_assistant");
+  if (!is_topic(prefix)) {
+    report.error(
+        place, label + " must be a topic without '+', '#', a leading '$', or an empty part, such as \"homeassistant\"");
+  } else if (prefix == mqtt.base || prefix.starts_with(mqtt.base + "/")) {
+    report.error(place, label + " lies inside of base, whose topics are the gateways' own; take the prefix that Home " +
+                            "Assistant has, such as \"homeassistant\"");
+  }
+  if (!mqtt.state) {
+    report.error(place, "mqtt.home_assistant needs state = true, where its values come from");
+  }
+}
+
 /// A topic that waits for min_interval must not expire meanwhile: live topics are published at a third of `expiry`.
 void check_expiry(const Node& table, const Mqtt& mqtt, Report& report) {
   const bool lasts = mqtt.expiry == canopen::Duration::zero() || mqtt.expiry >= 3 * mqtt.min_interval;
@@ -223,6 +246,7 @@ std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& dir
   check_base(*table, mqtt.base, report);
   check_answers(*table, mqtt.base, report);
   check_stale_payload(*table, mqtt, report);
+  check_home_assistant(*table, mqtt, report);
   if (mqtt.max_interval < mqtt.min_interval) {
     const auto* const key = table->find("max_interval") != nullptr ? "max_interval" : "min_interval";
     report.error(place_of(*table, key), "mqtt.max_interval is shorter than min_interval (" +

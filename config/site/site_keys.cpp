@@ -159,7 +159,10 @@ const SectionOf<Mqtt>& mqtt_section() {
        Field("cert_file", &Mqtt::cert_file, filled_text(),
              "The gateway's own certificate for the broker, with its chain, in PEM; needs `key_file`."),
        Field("key_file", &Mqtt::key_file, filled_text(), "The private key of `cert_file`, in PEM, without a password."),
-       Field::later("home_assistant", "string", "", "Discovery topics.")});
+       Field("home_assistant", &Mqtt::home_assistant, text(),
+             "The prefix of Home Assistant's discovery topics, there `homeassistant` by default: the drives show there "
+             "by themselves. Needs `state`. See [MQTT.md](MQTT.md#home-assistant).")
+           .unset("off")});
   return section;
 }
 

@@ -90,8 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"[http]\nlisten = \"127.0.0.1:9464\"\n", "7:2: error: [http]"},
                     Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"},
                     Case{"[drive.sdo]\npatience = \"1s\"\n", "8:1: error: drive \"pump1\": sdo.patience"},
-                    Case{"[mqtt]\nbrokers = [\"mqtt://a:1\", \"mqtt://b:1\"]\n", "more than one broker"},
-                    Case{"[mqtt]\nhome_assistant = true\n", "mqtt.home_assistant"}));
+                    Case{"[mqtt]\nbrokers = [\"mqtt://a:1\", \"mqtt://b:1\"]\n", "more than one broker"}));
 
 TEST(NotBuilt, AreTheDefaultsOfWhatIsNotBuiltEither) {
   EXPECT_EQ(

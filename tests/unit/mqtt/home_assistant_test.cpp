@@ -1,0 +1,223 @@
+// When Home Assistant is told of the drives, and what is removed there.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridges/mqtt/bridge.h"
+#include "bridges/mqtt/home_assistant/discovery.h"
+#include "tests/unit/mqtt/plant_site.h"
+
+namespace mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using home_assistant::Discovery;
+using test::contains;
+using test::PlantSite;
+
+constexpr const char* kPump = "homeassistant/device/canopen_line3/pump1/config";
+constexpr const char* kGone = "homeassistant/device/canopen_line3/old/config";
+constexpr const char* kBirth = "homeassistant/status";
+constexpr const char* kFilter = "homeassistant/device/canopen_line3/+/config";
+constexpr const char* kOurs = R"({"availability":[{"topic":"canopen/line3/status"}],"components":{)"
+                              R"("sensor_old":{"platform":"sensor","name":"Old"},)"
+                              R"("sensor_output_frequency":{"platform":"sensor","name":"x"}}})";
+
+config::Model model_with(std::string prefix) {
+  config::Model model = PlantSite::bridge_model();
+  model.mqtt->home_assistant = std::move(prefix);
+  return model;
+}
+
+/// The first connection, as its look finds `info`.
+void connect_behind(PlantSite& site, const std::string& info) {
+  site.broker().events->on_connected({.id = 1, .broker = "10.0.0.1:1883"});
+  site.loop().settle();
+  site.broker().unanswered.clear();
+  site.broker().events->on_subscribed({.filter = "canopen/line3/#"});
+  site.receive({.topic = "canopen/line3/info", .payload = info, .retained = true});
+  site.run(Session::kQuiet + 100ms);
+  site.broker().events->on_unsubscribed("canopen/line3/#");
+  site.loop().settle();
+  site.broker().answer_subscriptions();
+  site.loop().settle();
+}
+
+bool is_subscribed(PlantSite& site, const std::string& filter) {
+  return std::ranges::any_of(site.broker().subscribed, [&](const Subscription& each) { return each.filter == filter; });
+}
+
+TEST(MqttHomeAssistant, IsToldOfEachDriveAtEveryConnection) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  EXPECT_TRUE(site.broker().on(kPump).empty()) << "what the broker keeps of before is still to come";
+  site.run(Discovery::kPause + 50ms);
+  const Message message = site.broker().newest(kPump);
+  EXPECT_TRUE(message.retained);
+  EXPECT_EQ(message.expiry, 0U);
+  EXPECT_TRUE(contains(message.payload, R"("sensor_output_frequency":{)")) << message.payload;
+  EXPECT_TRUE(contains(message.payload, R"("sw_version":"1.2.3")")) << message.payload;
+  EXPECT_TRUE(contains(site.retained("info"), R"("home_assistant":"homeassistant")")) << site.retained("info");
+  site.run(60s);
+  EXPECT_EQ(site.broker().on(kPump).size(), 1U);
+  site.broker().events->on_disconnected("gone");
+  site.connect(2);
+  site.run(Discovery::kPause + 50ms);
+  EXPECT_EQ(site.broker().on(kPump), (std::vector<std::string>{message.payload, message.payload}));
+}
+
+TEST(MqttHomeAssistant, OffIsOff) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.run(5s);
+  for (const Message& message : site.broker().published) {
+    EXPECT_TRUE(message.topic.starts_with("canopen/line3/")) << message.topic;
+  }
+  for (const Subscription& each : site.broker().subscribed) {
+    EXPECT_TRUE(each.filter.starts_with("canopen/line3/")) << each.filter;
+  }
+  EXPECT_TRUE(contains(site.retained("info"), R"("home_assistant":null)")) << site.retained("info");
+}
+
+TEST(MqttHomeAssistant, EachDriveIsToldOf) {
+  config::Model model = model_with("a/b");
+  config::Drive second = model.drives[0];
+  second.name = "pump2";
+  second.node.node = 6;
+  second.unit = std::uint8_t{6};
+  second.enabled = false;
+  model.drives.push_back(second);
+  model.mqtt->base = "site 1/canopen";
+  PlantSite site(std::move(model));
+  site.connect();
+  site.run(2s);
+  EXPECT_TRUE(
+      contains(site.broker().newest("a/b/device/site_1_canopen_line3/pump1/config").payload, R"("name":"pump1")"));
+  EXPECT_TRUE(
+      contains(site.broker().newest("a/b/device/site_1_canopen_line3/pump2/config").payload, R"("name":"pump2")"));
+}
+
+TEST(MqttHomeAssistant, IsToldAgainWhenItSaysThatItIsThere) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  EXPECT_TRUE(site.broker().subscription(kBirth).watched);
+  site.run(Discovery::kLeast + 2s);
+  site.broker().forget();
+  site.receive({.topic = kBirth, .payload = "offline"}, 1s);
+  EXPECT_TRUE(site.broker().on(kPump).empty());
+  site.receive({.topic = kBirth, .payload = "online"}, 100ms);
+  EXPECT_EQ(site.broker().on(kPump).size(), 1U);
+  for (int i = 0; i < 100; ++i) {
+    site.receive({.topic = kBirth, .payload = "online"}, 50ms);
+  }
+  EXPECT_EQ(site.broker().on(kPump).size(), 1U) << "5 s later";
+  site.run(Discovery::kLeast);
+  EXPECT_EQ(site.broker().on(kPump).size(), 2U);
+  EXPECT_EQ(site.broker().dropped, 0U);
+}
+
+TEST(MqttHomeAssistant, ADriveThatIsGoneIsRemovedThere) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  EXPECT_TRUE(site.broker().subscription(kFilter).kept);
+  site.receive({.topic = kGone, .payload = kOurs, .retained = true}, 2s);
+  EXPECT_EQ(site.broker().newest(kGone), Message{.topic = kGone});
+  EXPECT_TRUE(contains(site.broker().newest(kPump).payload, R"("name":"pump1")"));
+  ASSERT_FALSE(site.notices().empty());
+  EXPECT_TRUE(contains(site.notices().back(), kGone)) << site.notices().back();
+}
+
+TEST(MqttHomeAssistant, WhatOthersPutThereStays) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  for (const char* payload : {R"({"availability":[{"topic":"canopen/line4/status"}]})", "{", "x", ""}) {
+    site.receive({.topic = kGone, .payload = payload, .retained = true}, 1s);
+  }
+  site.receive({.topic = kGone, .payload = kOurs}, 1s);
+  EXPECT_TRUE(site.broker().on(kGone).empty()) << "and what is published there now is looked at the next time";
+}
+
+TEST(MqttHomeAssistant, AnEntityThatIsGoneIsRemovedWithTheFirstMessage) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 5s);
+  const std::vector<std::string> told = site.broker().on(kPump);
+  ASSERT_EQ(told.size(), 1U) << "Home Assistant loses what comes while it is at work on the last one";
+  EXPECT_TRUE(contains(told[0], R"("sensor_old":{"platform":"sensor"})")) << told[0];
+  EXPECT_TRUE(contains(told[0], R"("sensor_output_frequency":{"platform":"sensor","unique_id")")) << told[0];
+}
+
+TEST(MqttHomeAssistant, OneThatIsHeardOfLateIsRemovedAllTheSame) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.run(5s);
+  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 2s);
+  EXPECT_EQ(site.broker().on(kPump).size(), 2U);
+  EXPECT_TRUE(contains(site.broker().newest(kPump).payload, R"("sensor_old":{"platform":"sensor"})"));
+}
+
+TEST(MqttHomeAssistant, SwitchedOffAllOfItIsEmptied) {
+  PlantSite site;
+  site.bring_up_drive();
+  connect_behind(site, R"({"instance":"ffff222233334444","home_assistant":"homeassistant"})");
+  EXPECT_TRUE(is_subscribed(site, kFilter));
+  EXPECT_FALSE(is_subscribed(site, kBirth));
+  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 1s);
+  EXPECT_EQ(site.broker().on(kPump), std::vector<std::string>{""});
+}
+
+TEST(MqttHomeAssistant, BelowAnotherPrefixThanBeforeTheOldOneIsEmptied) {
+  PlantSite site(model_with("home"));
+  site.bring_up_drive();
+  connect_behind(site, R"({"home_assistant":"homeassistant"})");
+  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 2s);
+  EXPECT_EQ(site.broker().on(kPump), std::vector<std::string>{""});
+  EXPECT_TRUE(contains(site.broker().newest("home/device/canopen_line3/pump1/config").payload, "sensor_nmt"));
+}
+
+TEST(MqttHomeAssistant, WhatIsNoPrefixIsNotWatched) {
+  for (const char* prefix : {"", "#", "a/+", "$SYS", "canopen", "canopen/line3", "a\\u0000b"}) {
+    PlantSite site;
+    connect_behind(site, std::string(R"({"home_assistant":")") + prefix + "\"}");
+    for (const Subscription& each : site.broker().subscribed) {
+      EXPECT_TRUE(each.filter.starts_with("canopen/line3/") && !contains(each.filter, "/device/")) << each.filter;
+    }
+  }
+}
+
+TEST(MqttHomeAssistant, WhereAnotherGatewayLivesNothingIsRemoved) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.receive({.topic = "canopen/line3/health",
+                .payload = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})"},
+               100ms);
+  site.receive({.topic = kGone, .payload = kOurs, .retained = true}, 5s);
+  EXPECT_TRUE(site.broker().on(kGone).empty());
+}
+
+TEST(MqttHomeAssistant, WhereItMayNotBeReadTheLogSaysWhatIsMissing) {
+  PlantSite site(model_with("homeassistant"));
+  site.broker().events->on_connected({.id = 1});
+  site.loop().settle();
+  site.broker().answer_subscriptions("Not authorized (0x87)", kBirth);
+  site.loop().settle();
+  EXPECT_TRUE(site.bridge().connected());
+  ASSERT_FALSE(site.notices().empty());
+  EXPECT_TRUE(contains(site.notices().back(), "Home Assistant is not told of the drives again when it starts"))
+      << site.notices().back();
+}
+
+}  // namespace
+}  // namespace mqtt
