@@ -8,6 +8,12 @@ recipe_files.py PAGE --sh HEADING    prints the shell commands below that headin
 A file is a block of code whose line before begins with its absolute path in backquotes and ends with a colon:
 
     `/etc/mosquitto/acl`, any words:
+
+What replaces the table [mqtt] of a file, or comes behind the lines of another page, is written beside it, as FILE.mqtt
+and FILE.further:
+
+    `/etc/canopen-gateway/gateway.toml`, in place of the `[mqtt]` of another page:
+    `/etc/mosquitto/acl`, further lines:
 """
 
 import pathlib
@@ -41,11 +47,12 @@ def files(text):
     """By path; a path twice is a mistake of the page."""
     found = {}
     for _, before, _, content in blocks(text):
-        name = re.match(r"`(/[^`]+)`.*:$", before)
-        if name:
-            if name[1] in found:
-                sys.exit(f"twice: {name[1]}")
-            found[name[1]] = content
+        match = re.match(r"`(/[^`]+)`(?P<part>, in place of the `\[mqtt\]`|, further lines)?.*:$", before)
+        if match:
+            name = match[1] + {None: "", ", further lines": ".further"}.get(match["part"], ".mqtt")
+            if name in found:
+                sys.exit(f"twice: {name}")
+            found[name] = content
     return found
 
 

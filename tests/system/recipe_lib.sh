@@ -1,0 +1,84 @@
+# Shared by the tests of recipes: they run the text of the pages in docs/recipes. Its files are laid below $site in place of
+# /; names of hosts are those of the page.
+. "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+site=$work/site
+interface=can0
+chmod 711 "$work" # mosquitto becomes a user of its own
+
+# hosts NAME…: names of this machine, in here only
+hosts() {
+  {
+    cat /etc/hosts
+    printf '127.0.0.1 %s\n' "$@"
+  } >"$work/hosts"
+  mount --bind "$work/hosts" /etc/hosts || fail "no names for the brokers"
+}
+
+# mqtt_of SNIPPET FILE: FILE with the table [mqtt] of SNIPPET in place of its own
+mqtt_of() {
+  awk -v snippet="$1" '
+    /^\[/ {inside = $0 == "[mqtt]"; if (inside) {while ((getline line < snippet) > 0) print line; print ""}}
+    !inside' "$2"
+}
+
+# recipe PAGE: lays its files, those that are parts of a file of an earlier page with that one
+recipe() {
+  local names name whole
+  names=$("$root/tests/system/recipe_files.py" "$root/docs/recipes/$1.md" "$site") || fail "$1: no files"
+  for name in $names; do
+    sed -i "s,/etc/,$site/etc/,g; s,/var/,$site/var/,g" "$site$name"
+    whole=$site${name%.*}
+    case $name in
+      *.further) cat "$site$name" >>"$whole" ;;
+      *.mqtt) mqtt_of "$site$name" "$whole" >"$whole.new" && mv "$whole.new" "$whole" ;;
+    esac
+  done
+}
+
+# recipe_commands PAGE HEADING: the commands below it, for here
+recipe_commands() {
+  "$root/tests/system/recipe_files.py" "$root/docs/recipes/$1.md" --sh "$2" |
+    sed "s,/etc/,$site/etc/,g; s,scripts/test-ca,$root/scripts/test-ca,g; s/-o canopen-gateway/-o root/"
+}
+recipe_do() {
+  (cd "$work" && bash -euc "$(recipe_commands "$@")") >"$work/commands.out" 2>"$work/commands.err" ||
+    fail "commands of $1, '$2'"
+}
+
+# recipe_broker NAME FILE…: a mosquitto with these files of $site/etc/mosquitto/conf.d
+recipe_broker() {
+  local name=$1 file
+  shift
+  for file; do cat "$site/etc/mosquitto/conf.d/$file"; done >"$work/$name.conf"
+  launch "$name" mosquitto -c "$work/$name.conf"
+}
+
+# ended NAME: ends it in order and waits
+ended() {
+  kill "${started[$1]}"
+  wait "${started[$1]}" 2>/dev/null
+  unset "started[$1]"
+}
+
+recipe_gateway() {
+  launch gateway "$gateway_bin" run --config "$site/etc/canopen-gateway/gateway.toml" --profile-dir "$root/config/profiles"
+}
+
+# The drive of the pages, on the bus of the pages.
+recipe_drive() {
+  ip link add can0 type vcan && ip link set can0 up || fail "no can0"
+  start_drives --drive veichi-ac310:5
+}
+
+# as USER PASSWORD COMMAND…: a mosquitto client as this user of the broker
+as() {
+  local user=$1 password=$2 command=$3
+  shift 3
+  "$command" -h "$broker_host" -p "$broker_port" -u "$user" -P "$password" "$@"
+}
+# refused WHAT COMMAND…: the broker says that it may not
+refused() {
+  local what=$1
+  shift
+  expect_match "$what" '[Nn]ot authori[sz]ed' "$("$@" 2>&1)"
+}

@@ -1,0 +1,110 @@
+#!/bin/bash
+# docs/recipes/mosquitto.md and mosquitto-tls.md as they stand: the access rules let pass what they say and nothing else,
+# the gateway needs no more than they give it; with TLS and client certificates the same, and certificates that are renewed
+# on the disk count at the next connection. Run inside tests/vcan/run.
+. "$(dirname "$0")/recipe_lib.sh"
+broker_host=broker.plant.example
+credentials=(-u dashboard -P change-me-2)
+hosts broker.plant.example
+recipe mosquitto
+recipe_do mosquitto Broker
+expect "no password is left in plain text" "" "$(grep change-me "$site/etc/mosquitto/passwd")"
+recipe_broker mosquitto plant.conf
+wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"
+recipe_gateway
+recipe_drive
+wait_until 15 "the drive is online" is_retained pump1/status online
+wait_until 15 "the gateway is online" is_retained status online
+wait_until 10 "all subscriptions are there" field_is health '.refused_subscriptions | length' 0
+
+say "the command of the page"
+answer=$(bash -euc "$(recipe_commands mosquitto "A command, and who may not")")
+expect "its answer" '{"ok":true,"topic":"canopen/line3/pump1/set","id":"a1"}' "$answer"
+wait_until 10 "the motor runs at 30 Hz" field_is pump1/state .values.output_frequency 30
+
+say "who may not"
+publish=(mosquitto_pub -V 5 -q 1)
+frequency=$topics/pump1/frequency_command/set
+refused "a dashboard that commands" as dashboard change-me-2 "${publish[@]}" -t "$frequency" -m 10
+refused "a dashboard that stops" as dashboard change-me-2 "${publish[@]}" -t "$topics/stop" -m 1
+refused "a dashboard that forges a value" as dashboard change-me-2 "${publish[@]}" -t "$topics/pump1/state" -m '{}'
+refused "NMT by the one who commands" as scada change-me-3 "${publish[@]}" -t "$topics/pump1/nmt/set" -m stop
+refused "raw objects by the one who commands" as scada change-me-3 "${publish[@]}" -t "$topics/pump1/sdo/request" -m '{}'
+refused "an alarm that he forges" as scada change-me-3 "${publish[@]}" -r -t "$topics/pump1/alarm/emcy" -m '{}'
+refused "a wrong password" as scada change-me-2 "${publish[@]}" -t "$frequency" -m 10
+refused "nobody's command" mosquitto_pub -V 5 -h "$broker_host" -q 1 -t "$frequency" -m 10
+refused "the gateway elsewhere" as line3 change-me-1 "${publish[@]}" -t "canopen/line4/status" -m offline
+expect "what the drive was told" 30 "$(field pump1/state .values.output_frequency)"
+
+say "who may"
+answer=$(as service change-me-4 mosquitto_rr -V 5 -W 5 -t "$topics/pump1/sdo/request" -e answers/service/1 \
+  -m '{"id":"7","op":"read","object":"0x2021:02","type":"u16"}')
+expect "the service engineer reads an object" '{"id":"7","ok":true,"value":3000}' "$answer"
+launch results mosquitto_sub "${credentials[@]}" -h "$broker_host" -t "$topics/result" -C 1 -W 20
+sleep 0.5
+as scada change-me-3 "${publish[@]}" -t "$frequency" -m 10 -D publish response-topic "elsewhere/1"
+wait "${started[results]}"
+expect_match "an answer outside of answers/#" '"code":"forbidden"' "$(cat "$work/results.out")"
+expect_match "stop" '"ok":true' "$(as scada change-me-3 mosquitto_rr -V 5 -W 5 -t "$topics/stop" -e answers/scada/2 -m 1)"
+
+say "readers without a name"
+sed -i 's/allow_anonymous false/allow_anonymous true/' "$site/etc/mosquitto/conf.d/plant.conf"
+ended mosquitto
+recipe_broker mosquitto plant.conf
+wait_until 15 "the gateway is back" is_retained status online
+anonymous=(mosquitto_sub -h "$broker_host" -W 2 -F %t)
+expect "what nobody in particular reads" "$topics/status" "$("${anonymous[@]}" -t 'canopen/#' 2>/dev/null)"
+refused "nobody's command" mosquitto_pub -V 5 -h "$broker_host" -q 1 -t "$frequency" -m 10
+
+say "TLS"
+recipe mosquitto-tls
+recipe_do mosquitto-tls Certificates
+sed -i 's/allow_anonymous true/allow_anonymous false/' "$site/etc/mosquitto/conf.d/plant.conf"
+ended gateway
+ended mosquitto
+recipe_broker mosquitto plant.conf plant-tls.conf
+recipe_gateway
+wait_until 15 "the gateway is online by TLS" is_retained status online
+expect "the broker that it names" broker.plant.example:8883 "$(field health .broker)"
+tls() {
+  mosquitto_pub -V 5 -h "$broker_host" -p 8883 --cafile "$work/certificates/ca.crt" -q 1 -t canopen/line4/status -m x "$@"
+}
+expect_match "no client certificate" 'error|Error' "$(tls 2>&1)"
+refused "another tree than its name's" tls --cert "$work/certificates/line3.crt" --key "$work/certificates/line3.key"
+
+say "the gateway's certificate is renewed, first by a stranger"
+gateway_etc=$site/etc/canopen-gateway
+# reconnect: the connection ends as by the page's ss -K, by the broker where the kernel does not know that
+reconnect() {
+  connections=$(grep -c 'MQTT: connected' "$work/gateway.err")
+  ended mosquitto
+  recipe_broker mosquitto plant.conf plant-tls.conf
+}
+"$root/scripts/test-ca" "$work/stranger" client line3
+install -m 600 "$work/stranger/line3.key" "$gateway_etc/line3.key"
+install -m 644 "$work/stranger/line3.crt" "$gateway_etc/line3.crt"
+expect "nothing happens while the connection stands" online "$(retained status)"
+reconnect
+wait_until 20 "the log says so" grep -q 'refuses the client certificate' "$work/gateway.err"
+expect "connections without the right one" "$connections" "$(grep -c 'MQTT: connected' "$work/gateway.err")"
+"$root/scripts/test-ca" "$work/certificates" client line3
+install -m 600 "$work/certificates/line3.key" "$gateway_etc/line3.key"
+install -m 644 "$work/certificates/line3.crt" "$gateway_etc/line3.crt"
+wait_until 20 "connected again" is_retained status online
+
+say "the broker's certificate is renewed"
+serial() {
+  openssl s_client -connect "$broker_host:8883" -servername "$broker_host" -CAfile "$work/certificates/ca.crt" </dev/null \
+    2>/dev/null | openssl x509 -noout -serial
+}
+connections=$(grep -c 'MQTT: connected' "$work/gateway.err")
+before=$(serial)
+"$root/scripts/test-ca" "$work/certificates" server broker.plant.example
+install -m 644 "$work/certificates/broker.plant.example.crt" "$site/etc/mosquitto/certs/broker.crt"
+install -m 600 -o mosquitto "$work/certificates/broker.plant.example.key" "$site/etc/mosquitto/certs/broker.key"
+kill -HUP "${started[mosquitto]}" # systemctl reload
+changed() { [ -n "$(serial)" ] && [ "$(serial)" != "$before" ]; }
+wait_until 10 "new connections see it" changed
+expect "the connection stands meanwhile" "$connections" "$(grep -c 'MQTT: connected' "$work/gateway.err")"
+expect "the drive" online "$(retained pump1/status)"
+expect "nothing secret in the log" "" "$(grep -E 'change-me|PRIVATE' "$work/gateway.err")"
