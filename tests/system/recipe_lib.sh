@@ -21,7 +21,8 @@ mqtt_of() {
     !inside' "$2"
 }
 
-# recipe PAGE: lays its files, those that are parts of a file of an earlier page with that one
+# recipe PAGE: lays its files, and adds parts to files of earlier pages. Further lines of a file of the same page are for
+# later: further FILE.
 recipe() {
   local names name whole
   names=$("$root/tests/system/recipe_files.py" "$root/docs/recipes/$1.md" "$site") || fail "$1: no files"
@@ -29,11 +30,13 @@ recipe() {
     sed -i "s,/etc/,$site/etc/,g; s,/var/,$site/var/,g" "$site$name"
     whole=$site${name%.*}
     case $name in
-      *.further) cat "$site$name" >>"$whole" ;;
+      *.further) grep -qx "${name%.*}" <<<"$names" || further "${name%.*}" ;;
       *.mqtt) mqtt_of "$site$name" "$whole" >"$whole.new" && mv "$whole.new" "$whole" ;;
     esac
   done
 }
+
+further() { cat "$site$1.further" >>"$site$1"; }
 
 # recipe_commands PAGE HEADING: the commands below it, for here
 recipe_commands() {

@@ -47,6 +47,13 @@ wait "${started[results]}"
 expect_match "an answer outside of answers/#" '"code":"forbidden"' "$(cat "$work/results.out")"
 expect_match "stop" '"ok":true' "$(as scada change-me-3 mosquitto_rr -V 5 -W 5 -t "$topics/stop" -e answers/scada/2 -m 1)"
 
+say "recipes whose programs are not here read what is there"
+order 5 fault 0x0005
+wait_until 10 "an alarm is listed" field_is alarms '.[0].drive' pump1
+as dashboard change-me-2 mosquitto_sub -t 'canopen/#' --retained-only -W 2 -F '%t %p' >"$work/kept" 2>/dev/null
+expect "what does not fit" "" "$("$root/tests/system/recipe_topics.py" <"$work/kept" 2>&1)"
+order 5 clear
+
 say "readers without a name"
 sed -i 's/allow_anonymous false/allow_anonymous true/' "$site/etc/mosquitto/conf.d/plant.conf"
 ended mosquitto
