@@ -1,7 +1,7 @@
 #!/bin/bash
 # docs/recipes/mosquitto.md and mosquitto-tls.md as they stand: the access rules let pass what they say and nothing else,
 # the gateway needs no more than they give it; with TLS and client certificates the same, and certificates that are renewed
-# on the disk count at the next connection. Run inside tests/vcan/run.
+# on the disk count at the next connection. By recipe_run.
 . "$(dirname "$0")/recipe_lib.sh"
 broker_host=broker.plant.example
 credentials=(-u dashboard -P change-me-2)

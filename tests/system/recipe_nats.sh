@@ -1,6 +1,6 @@
 #!/bin/bash
 # docs/recipes/nats.md as it stands: the gateway needs no more than the permissions give it, who may not command cannot,
-# and the loss of a node changes nothing of that. Run inside tests/vcan/run; by ctest -C long.
+# and the loss of a node changes nothing of that. By recipe_run, in ctest -C long.
 . "$(dirname "$0")/recipe_lib.sh"
 nodes=(127.0.0.1 127.0.0.2 127.0.0.3)
 {
@@ -44,7 +44,6 @@ wait_long "the gateway is online" is_retained status online
 wait_long "the drive is online" is_retained pump1/status online
 wait_long "all subscriptions are there" field_is health '.refused_subscriptions | length' 0
 wait_long "a command" commanded a1
-runs_at() { [ "$(drive_says 5 frequency)" = "$1" ]; }
 wait_until 20 "the motor runs" runs_at 30.00
 
 say "who may not"

@@ -1,6 +1,6 @@
 #!/bin/bash
 # docs/recipes/mosquitto-pair.md as it stands: the first broker dies, everything is at the second within 10 s, and true
-# there although the second kept something else. Run inside tests/vcan/run.
+# there although the second kept something else. By recipe_run.
 . "$(dirname "$0")/recipe_lib.sh"
 credentials=(-u dashboard -P change-me-2)
 hosts_of_pair() {
