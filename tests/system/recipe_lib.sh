@@ -94,9 +94,14 @@ as() {
   shift 3
   "$command" -h "$broker_host" -p "$broker_port" -u "$user" -P "$password" "$@"
 }
-# refused WHAT COMMAND…: the broker says that it may not
+# refused WHAT COMMAND…: the broker says that it may not; granted: it says nothing
 refused() {
   local what=$1
   shift
   expect_match "$what" '[Nn]ot authori[sz]ed' "$("$@" 2>&1)"
+}
+granted() {
+  local what=$1
+  shift
+  expect "$what" "" "$("$@" 2>&1)"
 }

@@ -53,6 +53,17 @@ wait_until 10 "an alarm is listed" field_is alarms '.[0].drive' pump1
 as dashboard change-me-2 mosquitto_sub -t 'canopen/#' --retained-only -W 2 -F '%t %p' >"$work/kept" 2>/dev/null
 expect "what does not fit" "" "$("$root/tests/system/recipe_topics.py" <"$work/kept" 2>&1)"
 order 5 clear
+recipe home-assistant # its rules; the gateway that runs does not look at its file again
+recipe_do home-assistant Broker
+kill -HUP "${started[mosquitto]}"
+discovery=homeassistant/device/canopen_line3
+granted "a discovery message" as line3 change-me-1 "${publish[@]}" -r -t $discovery/pump1/config -m '{}'
+refused "a device of somebody else" as line3 change-me-1 "${publish[@]}" -r -t homeassistant/device/other/x/config -m '{}'
+expect "what Home Assistant finds" "$discovery/pump1/config {}" \
+  "$(as homeassistant change-me-10 mosquitto_sub -t 'homeassistant/#' -C 1 -W 5 -F '%t %p')"
+granted "a birth message" as homeassistant change-me-10 "${publish[@]}" -t homeassistant/status -m online
+granted "a command of Home Assistant" as homeassistant change-me-10 "${publish[@]}" -t "$frequency" -m 12
+refused "NMT by Home Assistant" as homeassistant change-me-10 "${publish[@]}" -t "$topics/pump1/nmt/set" -m stop
 
 say "readers without a name"
 sed -i 's/allow_anonymous false/allow_anonymous true/' "$site/etc/mosquitto/conf.d/plant.conf"
