@@ -1,6 +1,6 @@
 #!/bin/bash
 # docs/recipes/mosquitto-bridge.md as it stands: everything is at the far broker, with its expiry; nothing comes back, but
-# what the page lets in; a link that was down leaves no old value and no late command. With an expiry of 12 s in place of
+# what the page lets in; a link that was down leaves no old value and no late command. With an expiry of 6 s in place of
 # 90 s. By recipe_run.
 . "$(dirname "$0")/recipe_lib.sh"
 broker_host=broker.plant.example
@@ -10,7 +10,7 @@ recipe mosquitto
 recipe_do mosquitto Broker
 recipe mosquitto-bridge
 recipe_do mosquitto-bridge Elsewhere
-sed -i '/^\[mqtt\]/a expiry = "12s"' "$site/etc/canopen-gateway/gateway.toml"
+sed -i '/^\[mqtt\]/a expiry = "6s"' "$site/etc/canopen-gateway/gateway.toml"
 mkdir -p "$site/etc/mosquitto/certs"
 "$root/scripts/test-ca" "$work/cloud" server cloud.example
 install -m 644 "$work/cloud/ca.crt" "$site/etc/mosquitto/certs/cloud-ca.crt"

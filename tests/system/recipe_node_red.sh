@@ -9,7 +9,8 @@ recipe mosquitto
 recipe_do mosquitto Broker
 recipe node-red
 recipe_do node-red Broker
-sed -i 's/^writers = .*/writers = ["mqtt", "modbus"]/' "$site/etc/canopen-gateway/gateway.toml"
+sed -i 's/^writers = .*/writers = ["mqtt", "modbus"]/; /^\[mqtt\]/a expiry = "6s"' "$site/etc/canopen-gateway/gateway.toml"
+sed -i 's/"duration": "65"/"duration": "6"/' "$site/etc/node-red/drive.json" # the expiry of 90 s and what hangs on it, shorter
 recipe_broker mosquitto plant.conf
 wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"
 recipe_gateway
@@ -73,6 +74,8 @@ order 5 unplug on
 wait_until 20 "its values are unknown, not 0" shows "output_frequency = unknown"
 wait_until 20 "its registers, too" shows "register 2 = unknown"
 from_here
+kill -STOP "${started[gateway]}"
+wait_until 20 "the gateway says nothing, and nobody says so" shows "gateway = silent"
 kill -9 "${started[gateway]}"
 wait "${started[gateway]}" 2>/dev/null
-wait_until 20 "the gateway is gone" shows "gateway = offline"
+wait_until 20 "its will" shows "gateway = offline"
