@@ -92,22 +92,29 @@ refused "another tree than its name's" tls --cert "$work/certificates/line3.crt"
 
 say "the gateway's certificate is renewed, first by a stranger"
 gateway_etc=$site/etc/canopen-gateway
-# reconnect: the connection ends as by the page's ss -K, by the broker where the kernel does not know that
+connected() { grep -c 'MQTT: connected' "$work/gateway.err"; }
+again() { [ "$(connected)" -gt "$connections" ]; }
 reconnect() {
-  connections=$(grep -c 'MQTT: connected' "$work/gateway.err")
+  connections=$(connected)
   ended mosquitto
   recipe_broker mosquitto plant.conf plant-tls.conf
 }
-"$root/scripts/test-ca" "$work/stranger" client line3
-install -m 600 "$work/stranger/line3.key" "$gateway_etc/line3.key"
-install -m 644 "$work/stranger/line3.crt" "$gateway_etc/line3.crt"
+install_client() { # install_client AUTHORITY
+  "$root/scripts/test-ca" "$work/$1" client line3
+  install -m 600 "$work/$1/line3.key" "$gateway_etc/line3.key"
+  install -m 644 "$work/$1/line3.crt" "$gateway_etc/line3.crt"
+}
+install_server() {
+  "$root/scripts/test-ca" "$work/$1" server broker.plant.example
+  install -m 644 "$work/$1/broker.plant.example.crt" "$site/etc/mosquitto/certs/broker.crt"
+  install -m 600 -o mosquitto "$work/$1/broker.plant.example.key" "$site/etc/mosquitto/certs/broker.key"
+}
+install_client stranger
 expect "nothing happens while the connection stands" online "$(retained status)"
 reconnect
 wait_until 20 "the log says so" grep -q 'refuses the client certificate' "$work/gateway.err"
-expect "connections without the right one" "$connections" "$(grep -c 'MQTT: connected' "$work/gateway.err")"
-"$root/scripts/test-ca" "$work/certificates" client line3
-install -m 600 "$work/certificates/line3.key" "$gateway_etc/line3.key"
-install -m 644 "$work/certificates/line3.crt" "$gateway_etc/line3.crt"
+expect "connections without the right one" "$connections" "$(connected)"
+install_client certificates
 wait_until 20 "connected again" is_retained status online
 
 say "the broker's certificate is renewed"
@@ -115,14 +122,37 @@ serial() {
   openssl s_client -connect "$broker_host:8883" -servername "$broker_host" -CAfile "$work/certificates/ca.crt" </dev/null \
     2>/dev/null | openssl x509 -noout -serial
 }
-connections=$(grep -c 'MQTT: connected' "$work/gateway.err")
+connections=$(connected)
 before=$(serial)
-"$root/scripts/test-ca" "$work/certificates" server broker.plant.example
-install -m 644 "$work/certificates/broker.plant.example.crt" "$site/etc/mosquitto/certs/broker.crt"
-install -m 600 -o mosquitto "$work/certificates/broker.plant.example.key" "$site/etc/mosquitto/certs/broker.key"
+install_server certificates
 kill -HUP "${started[mosquitto]}" # systemctl reload
 changed() { [ -n "$(serial)" ] && [ "$(serial)" != "$before" ]; }
 wait_until 10 "new connections see it" changed
-expect "the connection stands meanwhile" "$connections" "$(grep -c 'MQTT: connected' "$work/gateway.err")"
+expect "the connection stands meanwhile" "$connections" "$(connected)"
 expect "the drive" online "$(retained pump1/status)"
+
+say "the gateway's connection is ended at a time of one's own, as the page does"
+launch watch mosquitto_sub "${credentials[@]}" -h "$broker_host" -t "$topics/status" -F %p -W 60
+sleep 0.5
+breaks() { grep -c 'the connection broke' "$work/gateway.err"; }
+broken=$(breaks)
+eval "$(recipe_commands mosquitto-tls "A certificate is renewed" | sed 's/ dst .*//')" >/dev/null 2>&1
+sleep 1
+if [ "$(breaks)" -gt "$broken" ]; then
+  wait_until 10 "it is back" again
+  expect "what others saw" online "$(uniq "$work/watch.out")"
+else
+  say "this kernel does not end connections of others (ss -K)"
+fi
+
+say "the authority is renewed: at both sides the old and the new one, then the certificates"
+cat "$work/certificates/ca.crt" "$work/stranger/ca.crt" >"$work/both.crt"
+install -m 644 "$work/both.crt" "$gateway_etc/plant-ca.crt"
+install -m 644 "$work/both.crt" "$site/etc/mosquitto/certs/plant-ca.crt"
+reconnect
+wait_until 15 "with the old certificates" again
+install_client stranger
+install_server stranger
+reconnect
+wait_until 15 "with the new ones" again
 expect "nothing secret in the log" "" "$(grep -E 'change-me|PRIVATE' "$work/gateway.err")"
