@@ -9,8 +9,37 @@ hosts broker.plant.example
 recipe mosquitto
 recipe_do mosquitto Broker
 expect "no password is left in plain text" "" "$(grep change-me "$site/etc/mosquitto/passwd")"
+
+say "how much a subscriber is sent at once"
+listens() { wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"; }
+# sent_at_once: of 1500 retained topics; the broker that has them ends
+sent_at_once() {
+  listens
+  /usr/bin/python3 - "$broker_host" <<'END'
+import sys
+import paho.mqtt.client
+client = paho.mqtt.client.Client()
+client.username_pw_set("line3", "change-me-1")
+client.max_queued_messages_set(0)
+client.connect(sys.argv[1])
+client.loop_start()
+for number in range(1500):
+    last = client.publish(f"canopen/line3/{number}", "x", 1, True)
+last.wait_for_publish()
+client.disconnect()
+END
+  as dashboard change-me-2 mosquitto_sub -q 1 -t 'canopen/#' --retained-only -W 2 2>/dev/null | wc -l
+}
+sed '/max_queued_messages/d' "$site/etc/mosquitto/conf.d/plant.conf" >"$site/etc/mosquitto/conf.d/default.conf"
+recipe_broker mosquitto default.conf
+expect "without the page's line: 20 on their way and 1000 more" 1020 "$(sent_at_once)"
+ended mosquitto
 recipe_broker mosquitto plant.conf
-wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"
+expect "with it" 1500 "$(sent_at_once)"
+ended mosquitto
+
+recipe_broker mosquitto plant.conf
+listens
 recipe_gateway
 recipe_drive
 wait_until 15 "the drive is online" is_retained pump1/status online
