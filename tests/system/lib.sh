@@ -30,6 +30,7 @@ finish() {
   for pid in "${started[@]}"; do kill "$pid" 2>/dev/null; done
   wait 2>/dev/null
   [ "$code" = 0 ] && say "passed, $checks expectations"
+  [ -n "${leave_nothing:-}" ] && rm -rf "$work"
   exit "$code"
 }
 trap finish EXIT

@@ -6,7 +6,7 @@
 . "$(dirname "$0")/lib.sh"
 here=$root/tests/system
 manual=$root/docs/MODBUS.md
-client_modules=$root/build/npm/node_modules  # by modbus/install-clients
+client_modules=$root/build/npm/node_modules  # by install-npm
 
 sed -e 's/^listen = .*/&\nflat_unit = 100/' -e 's/^node = 9/&\nflat = 0/' -e 's/^node = 3/&\nflat = 3000/' \
   -e 's/^node = 5/&\nflat = 4000/' -e 's/^node = 7/&\nflat = 64536/' "$here/gateway.toml" >"$work/gateway.toml"
@@ -125,6 +125,6 @@ expect "refused" "Illegal data address" "$(write_registers 11 0 1)"
 expect "a drive that is not there" "Target device failed to respond" "$(poll 12 4 0 1)"
 expect "who is not there" "Gateway path unavailable" "$(poll 77 4 0 1)"
 
-[ -d "$client_modules/modbus-serial" ] || fail "modbus-serial is not installed: tests/system/modbus/install-clients"
+[ -d "$client_modules/modbus-serial" ] || fail "modbus-serial is not installed: tests/system/install-npm modbus npm"
 expect "modbus-serial" "$expected" \
   "$(NODE_PATH=$client_modules node "$here/modbus/with_modbus_serial.js" "$modbus_port" 11 77 2>&1)"

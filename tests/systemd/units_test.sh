@@ -15,6 +15,17 @@ if [ -s "$directory/remarks" ]; then
   cat "$directory/remarks" >&2
   exit 1
 fi
+
+# The drop-in of the security guide.
+cd ..
+tests/system/recipe_files.py docs/SECURITY.md "$directory" >/dev/null
+mv "$directory"/etc/systemd/system/canopen-gateway.service.d "$directory"
+systemd-analyze verify --man=no "$directory/canopen-gateway.service" 2>"$directory/remarks"
+if [ -s "$directory/remarks" ]; then
+  cat "$directory/remarks" >&2
+  exit 1
+fi
+cd systemd
 systemd-analyze security --offline=yes --threshold=17 "$directory/canopen-gateway.service" >"$directory/report" ||
   { cat "$directory/report" >&2; exit 1; }
 tail -n 1 "$directory/report"
