@@ -36,7 +36,7 @@ struct Bus {
   Duration sync{};        ///< Zero: none.
   double sdo_load = 0.7;  ///< 0.1..1: load that all traffic together may reach while SDO transfers run.
   canopen::EchoProves echo = canopen::EchoProves::by_driver;
-  bool other_master = false;  ///< NMT, SYNC and SDO requests of somebody else are wanted.
+  bool other_master = false;  ///< NMT, SYNC, SDO requests and RPDOs of somebody else are wanted.
   friend bool operator==(const Bus&, const Bus&) = default;
 };
 inline constexpr std::string_view kVirtualInterface = "virtual";

@@ -121,6 +121,11 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
         canopen::BusWatch::Handlers{
             .changed = [this, i](const canopen::BusTroubles& troubles) { plant_.set_bus_troubles(i, troubles); },
             .remark = [name = model.buses[i].name](const std::string& text) { spdlog::info("{}: {}", name, text); }});
+    for (const config::Drive& drive : model.drives) {
+      if (drive.bus == i && drive.enabled) {
+        in_use.watch->watch_commands_to(drive.node);
+      }
+    }
   }
 }
 

@@ -63,6 +63,9 @@ void Drive::define_communication_objects() {
     for (std::size_t i = 0; i < traits.identity->size(); ++i) {
       dictionary_.add_constant({0x1018, static_cast<std::uint8_t>(i + 1)}, 4, (*traits.identity)[i]);
     }
+    if (options_.serial) {
+      dictionary_.add_constant({0x1018, 4}, 4, *options_.serial);
+    }
   }
   if (traits.sync_objects) {
     Object cob_id;

@@ -19,6 +19,7 @@ struct DriveOptions {
   /// starts life guarding.
   std::uint16_t guard_ms = 0;
   std::uint8_t life_factor = 0;
+  std::optional<std::uint32_t> serial;  ///< 0x1018:04 of a kind that has 0x1018; without a value its own.
   std::optional<std::uint16_t>
       tpdo_event_ms;                ///< Event timer of its TPDOs at power-on; without a value the kind's own.
   bool veichi_pdo_objects = false;  ///< 0x1400..0x1A07 can be read and written.

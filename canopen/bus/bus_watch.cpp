@@ -1,9 +1,11 @@
 #include "canopen/bus/bus_watch.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "canopen/bus/bus.h"
 #include "canopen/cob_id.h"
+#include "canopen/node/node_settings.h"
 #include "canopen/sdo/frames.h"
 
 namespace canopen {
@@ -20,6 +22,15 @@ constexpr unsigned kNoOverload = 800;
 
 BusWatch::BusWatch(const boost::asio::any_io_executor& executor, Bus& bus, bool other_master, Handlers handlers)
     : bus_(bus), other_master_(other_master), handlers_(std::move(handlers)), timer_(executor, [this] { look(); }) {}
+
+void BusWatch::watch_commands_to(const NodeSettings& node) {
+  for (const PdoSettings& rpdo : node.rpdos) {
+    if (std::any_of(rpdo.mapping.begin(), rpdo.mapping.end(), is_commanded)) {
+      subscriptions_.push_back(bus_.subscribe(
+          rpdo.cob_id, [this, id = node.node](const Received& received) { hear(MasterSign::rpdo, received.at, id); }));
+    }
+  }
+}
 
 void BusWatch::start() {
   subscribe();

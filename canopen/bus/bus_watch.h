@@ -16,6 +16,7 @@
 namespace canopen {
 
 class Bus;
+struct NodeSettings;
 struct Received;
 
 /// Looks after who else is on a bus and how full it is: only by what is heard anyway, it sends nothing.
@@ -32,6 +33,8 @@ class BusWatch {
   BusWatch& operator=(const BusWatch&) = delete;
   ~BusWatch() = default;
 
+  /// Before start(): RPDOs of this node that carry commands are ours to send.
+  void watch_commands_to(const NodeSettings& node);
   void start();
   void stop() { timer_.cancel(); }
 

@@ -50,6 +50,9 @@ std::string SecondMaster::text() const {
   if (const Heard& sdo = of(MasterSign::sdo); sdo.there) {
     add("SDO requests (to node " + std::to_string(sdo.node) + ")");
   }
+  if (const Heard& rpdo = of(MasterSign::rpdo); rpdo.there) {
+    add("RPDOs (to node " + std::to_string(rpdo.node) + ")");
+  }
   if (of(MasterSign::sync).there) {
     add("SYNC beside ours");
   }

@@ -10,7 +10,7 @@
 namespace canopen {
 
 /// What only a master sends.
-enum class MasterSign : std::uint8_t { nmt, sdo, sync };
+enum class MasterSign : std::uint8_t { nmt, sdo, rpdo, sync };
 
 /// Whether somebody else acts as a master on our bus, by what was heard within the last minute. A plain value.
 class SecondMaster {
@@ -35,7 +35,7 @@ class SecondMaster {
   [[nodiscard]] Heard& of(MasterSign sign) noexcept { return heard_[static_cast<std::size_t>(sign)]; }
   [[nodiscard]] const Heard& of(MasterSign sign) const noexcept { return heard_[static_cast<std::size_t>(sign)]; }
 
-  std::array<Heard, 3> heard_{};
+  std::array<Heard, 4> heard_{};
 };
 
 }  // namespace canopen

@@ -36,8 +36,6 @@ DoubledWatch::DoubledWatch(const boost::asio::any_io_executor& executor, Bus& bu
 }
 
 void DoubledWatch::start() {
-  subscriptions_.push_back(bus_.subscribe(kErrorControlBase + settings_.node,
-                                          [this](const Received& received) { on_error_control(received); }));
   subscriptions_.push_back(bus_.subscribe(kNmtCobId, [this](const Received& received) { on_foreign_nmt(received); }));
   subscriptions_.push_back(bus_.subscribe_losses([this](std::uint32_t) { on_frames_lost(); }));
   std::size_t next = 0;
@@ -73,16 +71,11 @@ void DoubledWatch::end() {
   service();
 }
 
-// Answers to guarding come when somebody asks, and carry a toggle bit.
-void DoubledWatch::on_error_control(const Received& received) {
-  const std::optional<HeartbeatMessage> message = decode_heartbeat(received.frame.bytes());
-  if (!message) {
-    return;
-  }
-  if (message->boot_up) {
-    id_.on_boot_up(received.at);
+void DoubledWatch::on_error_control(const HeartbeatMessage& message, TimePoint at) {
+  if (message.boot_up) {
+    id_.on_boot_up(at);
   } else {
-    id_.on_heartbeat(message->state, received.at);
+    id_.on_heartbeat(message.state, at);
   }
   service();
 }

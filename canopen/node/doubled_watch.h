@@ -14,10 +14,11 @@
 namespace canopen {
 
 class Bus;
+struct HeartbeatMessage;
 struct Received;
 
-/// Listens for a second node under one node id: heartbeats, boot-ups, NMT commands of others, TPDOs that follow the
-/// SYNC. What of it the node's own procedures know they tell it.
+/// Looks for a second node under one node id: it listens for NMT commands of others and for TPDOs that follow the SYNC.
+/// What of it the node's own procedures know they tell it.
 class DoubledWatch {
  public:
   /// `bus` and `settings` outlive it. `is_sure` tells whether the node is served, and this TPDO's type was read or
@@ -35,6 +36,8 @@ class DoubledWatch {
   void set_rate_known(bool known) noexcept {
     id_.set_rate(known ? settings_.error_control.heartbeat : Duration::zero());
   }
+  /// A boot-up, a heartbeat or an answer to guarding.
+  void on_error_control(const HeartbeatMessage& message, TimePoint at);
   /// A command of ours is about to leave, or has left.
   void on_nmt(NmtCommand command);
   void on_second_answer(bool different);
@@ -49,7 +52,6 @@ class DoubledWatch {
     std::uint16_t number = 0;
     RateCheck rate{};
   };
-  void on_error_control(const Received& received);
   void on_foreign_nmt(const Received& received);
   void on_sync_tpdo(SyncTpdo& tpdo, const Received& received);
   void on_frames_lost();

@@ -83,6 +83,12 @@ boost::asio::awaitable<Failure> set_up_consumer(SetupSession& session, Remarks& 
   for (std::size_t i = 0; i < plan->size() && !failure; ++i) {
     const ObjectAddress object{kConsumerHeartbeat.index, (*plan)[i].sub};
     SetupItem entry{object, DataType::u32, (*plan)[i].value, kConsumerName, SetupPolicy::write};
+    if (entry.wanted == wanted) {
+      // Some keep that time in steps of their own, or clamp it. Later than wanted it may not trip, and sooner only by
+      // so much that our heartbeat, of half that time at most, still comes in time.
+      entry.least = wanted - whole_ms(settings.error_control.supervise_gateway) / 4;
+      entry.most = wanted;
+    }
     failure = co_await make_so(session, std::move(entry), remarks);
   }
   co_return failure;

@@ -153,7 +153,7 @@ class PdoSetup {
   [[nodiscard]] bool may_write() const { return !session_.inspecting() && !must_not_write_; }
 
   boost::asio::awaitable<Failure> write(const SetupItem& item) {
-    const Result<void> written = co_await session_.write(item.object, item.type, item.wanted);
+    const Result<void> written = co_await session_.write(item);
     if (written.has_error()) {
       co_return session_.failure(written.error(), "writing " + item.name + " = 0x" + hex(item.wanted, 1));
     }

@@ -25,6 +25,7 @@ void RemoteNode::on_error_control(const Received& received) {
   } else {
     on_heartbeat(message->state, received.at);
   }
+  doubled_.on_error_control(*message, received.at);
 }
 
 void RemoteNode::on_boot_up(TimePoint at) {

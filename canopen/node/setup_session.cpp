@@ -18,12 +18,12 @@ bool refuses_length(const Error& error) noexcept {
          (error.abort == 0x06070010 || error.abort == 0x06070012 || error.abort == 0x06070013);
 }
 
-/// Heartbeat time; inhibit time and event timer of a PDO.
+/// Heartbeat time, guard time; inhibit time and event timer of a PDO.
 bool is_time(ObjectAddress object) noexcept {
   const unsigned area = object.index & 0xFE00U;
   const bool of_pdo =
       (area == 0x1400 || area == 0x1800) && (object.sub == kPdoInhibitTime || object.sub == kPdoEventTimer);
-  return of_pdo || object == kProducerHeartbeat;
+  return of_pdo || object == kProducerHeartbeat || object == kGuardTime;
 }
 
 /// The unsigned number of so many bytes; of 3, of none: nothing.
@@ -107,10 +107,23 @@ boost::asio::awaitable<Result<void>> SetupSession::write(ObjectAddress object, D
   if (half_done_noted_) {
     context_.half_done = std::to_string(written_) + " objects were written, the last " + to_string(object);
   }
-  const DataType width = width_of(object, type);
+  const DataType held = width_of(object, type);
+  const DataType width = normalise(held, raw) == raw ? held : type;  // Never cut: 512 in 8 bits would be 0, off.
   Result<void> written = co_await context_.sdo.write(object, width, raw);
   if (written.has_error() && width != type && refuses_length(written.error()) && !context_.life.over()) {
     written = co_await context_.sdo.write(object, type, raw);
+  }
+  co_return written;
+}
+
+boost::asio::awaitable<Result<void>> SetupSession::write(const SetupItem& item) {
+  Result<void> written = co_await write(item.object, item.type, item.wanted);
+  if (written.has_error() && refuses_length(written.error())) {
+    const DataType width = width_of(item.object, item.type);
+    const Raw most = normalise(width, ~Raw{0});
+    if (most < item.wanted && will_do(item, most)) {
+      written = co_await write(item.object, width, most);
+    }
   }
   co_return written;
 }
@@ -155,7 +168,7 @@ boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
 
 boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool readable) {
   SetupOutcome outcome;
-  const Result<void> written = co_await write(item.object, item.type, item.wanted);
+  const Result<void> written = co_await write(item);
   if (written.has_error()) {
     outcome.failure = failure(written.error(), item.name);
     co_return outcome;

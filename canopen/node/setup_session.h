@@ -59,8 +59,8 @@ struct SetupOutcome {
 /// The SDO transfers of one configuration or inspection. Once the life is over every further transfer fails, so that no
 /// half-done procedure goes on with a node that rebooted in between.
 ///
-/// Some nodes hold the times of the heartbeat and of PDOs in another width than CiA 301 says. They are written in the
-/// width in which they were read, and where the node refuses that length, in their own.
+/// Some nodes hold the times of heartbeat, guarding and PDOs in another width than CiA 301 says. They are written in
+/// the width in which they were read. Where the node refuses that length, or the value does not fit, in their own.
 class SetupSession {
  public:
   SetupSession(LifeContext context, SetupPurpose purpose) : context_(context), purpose_(purpose) {}
@@ -74,6 +74,9 @@ class SetupSession {
   boost::asio::awaitable<Result<Raw>> read(ObjectAddress object, DataType type);
   /// What is written is noted as half done, unless that is switched off.
   boost::asio::awaitable<Result<void>> write(ObjectAddress object, DataType type, Raw raw);
+  /// What `item` wants. Where the node holds it in fewer bits than that needs and takes no other length: the most that
+  /// it holds, if that will do.
+  boost::asio::awaitable<Result<void>> write(const SetupItem& item);
   /// Reads, compares, writes if it differs and may be written, and reads back. An object that the node lacks is no
   /// failure, nor is one that can only be written: while inspecting nobody can tell, so it counts as it should be.
   boost::asio::awaitable<SetupOutcome> ensure(SetupItem item);

@@ -106,7 +106,8 @@ void advise_on_stops(const DriveDraft& draft) {
 void advise_on_single_stops(const DriveDraft& draft) {
   const auto control = draft.drive.find("control_command");
   if (!control.has_value() || !draft.drive.signals[*control].pdo_only ||
-      draft.drive.signals[*control].source.kind != SourceKind::rpdo) {  // an error of its own
+      draft.drive.signals[*control].source.kind != SourceKind::rpdo ||  // an error of its own
+      !is_sent(draft, draft.drive.signals[*control].source.number)) {   // advise_on_rpdos() says worse
     return;
   }
   const std::string rpdo = to_text(draft.drive.signals[*control].source);
@@ -139,15 +140,30 @@ void advise_on_setpoints(const DriveDraft& draft) {
   }
 }
 
+/// The signals that the drive takes in this RPDO alone; empty: none.
+std::string pdo_only_signals(const DriveDraft& draft, const Source& source) {
+  std::string names;
+  for (const Signal& signal : draft.drive.signals) {
+    if (signal.pdo_only && signal.source == source) {
+      names += (names.empty() ? "" : ", ") + signal.name;
+    }
+  }
+  return names;
+}
+
 void advise_on_rpdos(const DriveDraft& draft) {
   for (const canopen::PdoSettings& rpdo : draft.drive.node.rpdos) {
-    if (const auto* const unnamed = field_with(rpdo, canopen::FieldUse::unnamed); unnamed != nullptr) {
-      draft.warning(draft.site.place, "rpdo" + std::to_string(rpdo.number) +
-                                          " is never sent, because nothing says what its field " +
-                                          canopen::to_string(unnamed->object) +
-                                          " is for; commands go by SDO. Make a signal of it, or list it in rpdo" +
-                                          std::to_string(rpdo.number) + ".unused");
+    const auto* const unnamed = field_with(rpdo, canopen::FieldUse::unnamed);
+    if (unnamed == nullptr) {
+      continue;
     }
+    const std::string name = "rpdo" + std::to_string(rpdo.number);
+    const std::string lost = pdo_only_signals(draft, {SourceKind::rpdo, rpdo.number});
+    draft.warning(draft.site.place, name + " is never sent, because nothing says what its field " +
+                                        canopen::to_string(unnamed->object) + " is for; " +
+                                        (lost.empty() ? "commands go by SDO"
+                                                      : "what is pdo_only there cannot be commanded at all: " + lost) +
+                                        ". Make a signal of it, or list it in " + name + ".unused");
   }
 }
 

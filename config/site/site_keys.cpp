@@ -85,7 +85,7 @@ const SectionOf<Bus>& bus_section() {
            "Load that all traffic together may reach while SDO transfers of the gateway run; SDO keeps a tenth of the "
            "bus all the same. Without `bitrate`: eight transfers at once."),
        Field("other_master", &Bus::other_master, boolean(),
-             "`true`: NMT, SYNC and SDO requests of somebody else are a remark, no alarm."),
+             "`true`: NMT, SYNC, SDO requests and RPDOs of somebody else are a remark, no alarm."),
        Field("echo", &Bus::echo,
              choice<canopen::EchoProves>({{"auto", canopen::EchoProves::by_driver},
                                           {"departure", canopen::EchoProves::departure},

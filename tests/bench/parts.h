@@ -8,6 +8,8 @@ namespace bench {
 
 /// Frames per second from a SocketCAN interface to the process image, against a bare recvmmsg loop.
 void frames(const std::string& interface);
+/// Time a frame takes from the link to the process image, with one, two and four buses of 126 drives each.
+void buses();
 /// Requests per second with 1 and 8 clients, against a bare libmodbus reply loop.
 void modbus();
 /// Messages per second at a subscriber, against bare Paho publishing the same messages.

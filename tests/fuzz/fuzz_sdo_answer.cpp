@@ -3,8 +3,10 @@
 // came.
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <span>
 #include <vector>
 
@@ -124,6 +126,43 @@ class UploadModel {
   unsigned unused_ = 0;
 };
 
+/// How often a transfer was completed in each mode. A run of many inputs that never got through one is a failure: then
+/// the seeds do not fit the target any more.
+class Modes {
+ public:
+  Modes() = default;
+  ~Modes() {
+    constexpr std::size_t kMany = 1000;  // One that broke the target is looked at alone.
+    if (inputs_ > kMany) {
+      for (std::size_t mode = 0; mode < completed_.size(); ++mode) {
+        std::fprintf(stderr, "completed: %s %zu\n", kNames[mode], completed_[mode]);
+        require(completed_[mode] > 0);
+      }
+    }
+  }
+  Modes(const Modes&) = delete;
+  Modes& operator=(const Modes&) = delete;
+
+  void begin() {
+    ++inputs_;
+    block_ = false;
+    segments_ = false;
+  }
+  void look(const SdoTransfer& transfer) {
+    block_ = block_ || transfer.in_block();
+    segments_ = segments_ || (transfer.in_segments() && !transfer.in_block());
+  }
+  void completed(bool download) { ++completed_[(block_ ? 4U : segments_ ? 2U : 0U) + (download ? 1U : 0U)]; }
+
+ private:
+  static constexpr std::array kNames{"expedited upload",   "expedited download", "segmented upload",
+                                     "segmented download", "block upload",       "block download"};
+  std::array<std::size_t, kNames.size()> completed_{};
+  std::size_t inputs_ = 0;
+  bool block_ = false;
+  bool segments_ = false;
+};
+
 void check(const SdoTransfer& transfer, SdoTransfer::Step step, bool download) {
   require(transfer.data().size() <= SdoTransfer::kMaxBytes);
   switch (step) {
@@ -156,6 +195,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   }
   const std::uint8_t choice = bytes[0];
   const bool download = (choice & 0x01U) != 0;
+  static Modes modes;
+  modes.begin();
   SdoTransfer transfer = begin(choice);
   DownloadModel downloaded;
   UploadModel uploaded;
@@ -178,11 +219,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (left == SdoTransfer::Step::completed) {
       check(transfer, left, download);
       uploaded.on_completed(transfer);
+      modes.completed(download);
       over = true;
     }
     // An own allocation of exactly that size: the sanitizer sees a byte read beyond it.
     const std::vector<std::uint8_t> copy(answer.begin(), answer.end());
     const bool was_in_block = transfer.in_block();
+    modes.look(transfer);
     const SdoTransfer::Step step = transfer.on_answer(copy, (choice & 0x08U) != 0);
     require(!over || step == SdoTransfer::Step::ignored);
     check(transfer, step, download);
@@ -190,6 +233,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       downloaded.on_answer(transfer, copy, step);
     } else {
       uploaded.on_answer(transfer, copy, step, was_in_block);
+    }
+    if (step == SdoTransfer::Step::completed) {
+      modes.completed(download);
     }
     over = over || step == SdoTransfer::Step::completed || step == SdoTransfer::Step::failed;
   }

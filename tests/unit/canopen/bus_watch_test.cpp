@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "canopen/nmt_frame.h"
+#include "canopen/node/node_settings.h"
 #include "tests/support/bus_fixture.h"
 
 namespace canopen {
@@ -86,6 +87,28 @@ TEST_F(BusWatchTest, AWantedMasterIsARemarkOnly) {
   ASSERT_EQ(remarks_.size(), 2U);
   EXPECT_EQ(remarks_[1],
             "another master or a tool is on the bus: it sends NMT commands (stop to node 5), SDO requests (to node 5)");
+}
+
+TEST_F(BusWatchTest, WhatCommandsANodeIsOursAloneToSend) {
+  NodeSettings node;
+  node.node = 5;
+  PdoSettings commands;
+  commands.cob_id = 0x205;
+  commands.mapping = {{{0x6040, 0}, DataType::u16, 16, FieldUse::commanded}};
+  PdoSettings others;  // Nothing of it is commanded by us.
+  others.cob_id = 0x305;
+  others.mapping = {{{0x6071, 0}, DataType::i16, 16, FieldUse::unnamed}};
+  node.rpdos = {commands, others};
+  watch(kOurs);
+  watch_->watch_commands_to(node);
+  const Ticket own = bus_->send(TransmitClass::command, frame(0x205, 6), Clock::now() + 1s);
+  hear(frame(0x305, 6));
+  hear(frame(0x206, 6));
+  EXPECT_TRUE(told_.empty());
+  hear(frame(0x205, 15));
+  hear(frame(0x205, 15));
+  EXPECT_EQ(now().second_master, "another master or a tool is on the bus: it sends RPDOs (to node 5)");
+  EXPECT_EQ(told_.size(), 1U);
 }
 
 TEST_F(BusWatchTest, SyncOfOthersIsUsualWhereWeSendNone) {

@@ -53,7 +53,15 @@ void HeartbeatEar::on_frames(std::span<const Received> frames) {
 }
 
 ScaleBench::ScaleBench(std::uint32_t bitrate, std::uint16_t tpdo_event_timer, bool bitrate_known)
-    : wire_(loop_.executor(), bitrate),
+    : ScaleBench(nullptr, bitrate, tpdo_event_timer, bitrate_known) {}
+
+ScaleBench::ScaleBench(support::HandDrivenLoop& loop, std::uint32_t bitrate) : ScaleBench(&loop, bitrate, 0, true) {}
+
+ScaleBench::ScaleBench(support::HandDrivenLoop* loop, std::uint32_t bitrate, std::uint16_t tpdo_event_timer,
+                       bool bitrate_known)
+    : own_loop_(loop == nullptr ? std::make_unique<support::HandDrivenLoop>() : nullptr),
+      loop_(loop == nullptr ? *own_loop_ : *loop),
+      wire_(loop_.executor(), bitrate),
       bus_(loop_.executor(), wire_.connect(), bus_settings(bitrate_known ? std::optional(bitrate) : std::nullopt)),
       ear_(wire_),
       tpdo_event_timer_(tpdo_event_timer) {
@@ -81,6 +89,11 @@ ScaleBench::Member& ScaleBench::add(std::uint8_t node) {
 }
 
 void ScaleBench::step(TimePoint end) {
+  const Duration time = act(end) - Clock::now();
+  loop_.advance(time, time);
+}
+
+TimePoint ScaleBench::act(TimePoint end) {
   const TimePoint now = Clock::now();
   TimePoint next = std::min(end, now + kLongestStep);
   bool acted = false;
@@ -94,8 +107,7 @@ void ScaleBench::step(TimePoint end) {
   if (acted) {
     loop_.settle();  // A frame may have begun.
   }
-  next = std::min(next, wire_.next_departure().value_or(kNever));
-  loop_.advance(next - now, next - now);
+  return std::min(next, wire_.next_departure().value_or(kNever));
 }
 
 bool ScaleBench::all_online() const {

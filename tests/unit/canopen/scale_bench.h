@@ -60,13 +60,16 @@ class HeartbeatEar final : public LinkEvents {
   std::uint64_t bits_ = 0;
 };
 
-/// Many drives and their master on a bus with a bit rate, moved from event to event by hand.
+/// Many drives and their master on a bus with a bit rate, moved from event to event by hand. Several of them may share
+/// a loop; who has it calls act() of each.
 class ScaleBench {
  public:
   static constexpr std::uint8_t kOwnNode = 127;
 
   /// `tpdo_event_timer` in ms, 0: no TPDOs. `bitrate_known`: the master was told the bit rate.
   explicit ScaleBench(std::uint32_t bitrate, std::uint16_t tpdo_event_timer = 0, bool bitrate_known = true);
+  /// `loop` outlives the bench.
+  ScaleBench(support::HandDrivenLoop& loop, std::uint32_t bitrate);
   ~ScaleBench();
   ScaleBench(const ScaleBench&) = delete;
   ScaleBench& operator=(const ScaleBench&) = delete;
@@ -96,6 +99,8 @@ class ScaleBench {
   void run_for(Duration time) {
     static_cast<void>(run_until([] { return false; }, time));
   }
+  /// What is due now; when to come back, at the latest at `end`.
+  [[nodiscard]] TimePoint act(TimePoint end);
   [[nodiscard]] bool all_online() const;
   [[nodiscard]] std::size_t letters() const;
   [[nodiscard]] std::size_t losses() const;
@@ -107,10 +112,12 @@ class ScaleBench {
   [[nodiscard]] std::vector<std::unique_ptr<Member>>& members() noexcept { return members_; }
 
  private:
+  ScaleBench(support::HandDrivenLoop* loop, std::uint32_t bitrate, std::uint16_t tpdo_event_timer, bool bitrate_known);
   void step(TimePoint end);
   [[nodiscard]] NodeSettings settings_of(std::uint8_t node) const;
 
-  support::HandDrivenLoop loop_;
+  std::unique_ptr<support::HandDrivenLoop> own_loop_;
+  support::HandDrivenLoop& loop_;
   VirtualBus wire_;
   Bus bus_;
   HeartbeatEar ear_;

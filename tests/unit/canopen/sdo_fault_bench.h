@@ -34,6 +34,7 @@ enum class WireFault : std::uint8_t {
   cut,                   ///< To three bytes.
   abort_without_code,    ///< In its place, and the server is reset.
   abort_without_object,  ///< Likewise.
+  abort_of_another,      ///< Likewise: it names an object that nobody asked for.
   foreign_client         ///< Before it another client asks for another object.
 };
 
@@ -118,6 +119,9 @@ class FaultyNode final : private LinkEvents {
         return;
       case WireFault::abort_without_object:
         send_abort({0x80, 0, 0, 0, 0x00, 0x00, 0x00, 0x08});
+        return;
+      case WireFault::abort_of_another:
+        send_abort({0x80, 0x02, 0x20, 0x01, 0x00, 0x00, 0x00, 0x08});
         return;
       case WireFault::foreign_client:
         foreign_sent = true;

@@ -17,10 +17,17 @@ using Bytes = SdoFaultBench::Bytes;
 enum class Mode : std::uint8_t { expedited, segmented, block };
 
 constexpr std::array kModes{Mode::expedited, Mode::segmented, Mode::block};
-constexpr std::array kFaults{
-    WireFault::request_lost,         WireFault::lost,          WireFault::late, WireFault::doubled,
-    WireFault::wrong_toggle,         WireFault::wrong_index,   WireFault::cut,  WireFault::abort_without_code,
-    WireFault::abort_without_object, WireFault::foreign_client};
+constexpr std::array kFaults{WireFault::request_lost,
+                             WireFault::lost,
+                             WireFault::late,
+                             WireFault::doubled,
+                             WireFault::wrong_toggle,
+                             WireFault::wrong_index,
+                             WireFault::cut,
+                             WireFault::abort_without_code,
+                             WireFault::abort_without_object,
+                             WireFault::abort_of_another,
+                             WireFault::foreign_client};
 
 const char* name_of(Mode mode) {
   return std::array{"expedited", "segmented", "block"}.at(static_cast<std::size_t>(mode));
@@ -36,6 +43,7 @@ const char* name_of(WireFault fault) {
                     "cut",
                     "abort without code",
                     "abort without object",
+                    "abort of another object",
                     "foreign client"}
       .at(static_cast<std::size_t>(fault));
 }
@@ -130,7 +138,8 @@ Outcome download(Mode mode, WireFault fault, std::size_t at) {
     EXPECT_EQ(bench.node.server.objects[SdoFaultBench::kFile], data);
   }
   // A server that aborts after it wrote is of another world.
-  const bool aborted = fault == WireFault::abort_without_code || fault == WireFault::abort_without_object;
+  const bool aborted = fault == WireFault::abort_without_code || fault == WireFault::abort_without_object ||
+                       fault == WireFault::abort_of_another;
   if (outcome.told != Told::well && !outcome.unknown && !aborted) {
     EXPECT_EQ(bench.node.server.objects[SdoFaultBench::kFile], before) << "a certain failure is certain";
   }
@@ -181,6 +190,7 @@ TEST(SdoFaultMatrix, WhatIsToldOfTheFirstAnswer) {
       {WireFault::cut, {well, well, well}, {timeout, timeout, timeout}},
       {WireFault::abort_without_code, {refused, refused, well}, {refused, refused, well}},
       {WireFault::abort_without_object, {refused, refused, refused}, {refused, refused, refused}},
+      {WireFault::abort_of_another, {well, well, well}, {timeout, timeout, timeout}},
       {WireFault::foreign_client, {well, well, well}, {timeout, timeout, timeout}},
   };
   for (const Cell& cell : cells) {
@@ -204,8 +214,10 @@ TEST(SdoFaultMatrix, AtAnyFrameOfAnUpload) {
         SCOPED_TRACE(where("upload", mode, fault, at));
         const Outcome outcome = upload(mode, fault, at);
         EXPECT_TRUE(fault != WireFault::foreign_client || outcome.foreign);
+        // A server that is not in a block transfer any more refuses what follows.
+        const bool unheard = fault == WireFault::abort_of_another && mode != Mode::block;
         if (fault == WireFault::request_lost || fault == WireFault::lost || fault == WireFault::late ||
-            fault == WireFault::doubled || fault == WireFault::foreign_client) {
+            fault == WireFault::doubled || fault == WireFault::foreign_client || unheard) {
           EXPECT_EQ(outcome.told, Told::well) << "tried again where it has to be";
         }
         if (testing::Test::HasFailure()) {
@@ -227,6 +239,7 @@ TEST(SdoFaultMatrix, AtAnyFrameOfADownload) {
         EXPECT_TRUE(fault != WireFault::foreign_client || outcome.foreign);
         EXPECT_TRUE(fault != WireFault::doubled || outcome.told == Told::well);
         EXPECT_TRUE(outcome.told != Told::timeout || outcome.unknown);
+        EXPECT_TRUE(fault != WireFault::abort_of_another || outcome.unknown) << "it says nothing of this transfer";
         if (testing::Test::HasFailure()) {
           return;
         }
