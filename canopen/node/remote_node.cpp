@@ -24,15 +24,6 @@ constexpr Duration kLookInterval = std::chrono::minutes(1);
 // Keeps a life that fails at once, as with a full transmit queue, from spinning.
 constexpr Duration kBreath = std::chrono::milliseconds(10);
 
-std::string why_no_error_control(const LifeContext& context, ErrorControlKind kind) {
-  if (kind == ErrorControlKind::guarding) {
-    return no_guarding_text(context);
-  }
-  return context.heard.by_guarding
-             ? "it sends no heartbeat, 0x1017:00 is 0; guarding is not supported in its place, unless guarding is set"
-             : "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
-}
-
 }  // namespace
 
 RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSettings settings, NodeEvents& events)
@@ -170,114 +161,6 @@ boost::asio::awaitable<FoundState> RemoteNode::find(Life& life) {
     change_status([](NodeStatus& status) { status.set_nmt(NmtState::operational); });
   }
   co_return found;
-}
-
-/// What runs is compared, and left as it is where it differs.
-boost::asio::awaitable<BootReport> RemoteNode::take_over(LifeContext context) {
-  enter(Stage::inspecting);
-  BootReport report = co_await inspect(context);
-  const bool proven = heard_.heartbeat_at && (!guarding_.running() || guarding_.alternates());
-  if (report.ok() && report.error_control != ErrorControlKind::none && !proven) {
-    const bool alive = co_await heartbeat_after(context, Clock::now());
-    if (!alive) {
-      report.letter = BootResult::no_error_control;
-      report.text = why_no_error_control(context, report.error_control);
-    }
-  }
-  if (context.life.over()) {
-    co_return report;
-  }
-  if (report.letter == BootResult::left_alone) {
-    const bool again = settings_.reconfigure_running || co_await started_itself(context);
-    if (again && !context.life.over()) {
-      co_return co_await boot(context, FoundState::operational);
-    }
-    report.text += half_done_.empty() ? "" : "; our configuration of it was interrupted: " + half_done_;
-  } else if (report.ok()) {
-    accept(report);
-    go_online(Arrival::taken_over);
-  }
-  co_return report;
-}
-
-/// Configures it and starts it, where nothing speaks against a start. What it is told to be meanwhile ends the life.
-boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundState found) {
-  enter(Stage::configuring);
-  expectation_.begin_boot();
-  take_start_requests();
-  BootReport report;
-  // A stopped node answers no SDO; an operational one refuses most settings.
-  if (found == FoundState::stopped || found == FoundState::operational) {
-    report.interrupted = !co_await make_pre_operational(context);
-  }
-  if (!report.interrupted) {
-    report = co_await configure(context, found);
-  }
-  if (report.letter == BootResult::not_configured && co_await started_itself(context)) {
-    report.interrupted = !co_await make_pre_operational(context);
-    if (!report.interrupted) {
-      report = co_await configure(context, FoundState::not_operational);
-    }
-  }
-  if (!report.ok() || context.life.over()) {
-    co_return report;
-  }
-  accept(report);
-  take_start_requests();
-  co_return co_await start_node(context);
-}
-
-boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
-  BootReport report;
-  const NmtExpectation before = expectation_;
-  if (before.left_by_itself()) {
-    report.text = co_await why_not_to_restart(context);
-    report.letter = report.text.empty() ? BootResult::ok : BootResult::not_configured;
-    if (context.life.over() || !report.ok()) {
-      co_return report;
-    }
-  }
-  if (expectation_.held_by_command()) {
-    if (without_error_control()) {
-      heard_.state = NmtState::pre_operational;  // It answers, and was not started.
-    }
-    go_online(Arrival::booted);  // Configured, and held back from starting.
-    co_return report;
-  }
-  enter(Stage::starting);
-  const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime);
-  if (context.life.over()) {
-    co_return report;
-  }
-  if (left.has_value()) {
-    settle_start_requests({});
-    if (without_error_control()) {
-      heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
-      go_online(Arrival::booted);
-    }
-    const TimePoint until = expectation_.settled_at();
-    while (stage_ == Stage::starting && !context.life.over() && bus_.may_still_hear(until)) {
-      co_await context.life.wait_until(or_soon(until));
-    }
-  }
-  if (stage_ != Stage::starting || context.life.over()) {
-    co_return report;
-  }
-  if (expectation_.held_by_command()) {
-    go_online(Arrival::booted);  // A stop has come before it, or behind it.
-  } else if (left.has_error()) {
-    report.interrupted = true;
-  } else {
-    expectation_.begin_boot();
-    if (before.left_by_itself()) {
-      expectation_ = before;  // The next try, too, looks at the motor first.
-    }
-    events_.on_start_ignored();
-    report.letter = BootResult::not_configured;
-    report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt));
-    report.text += co_await error_text(context);
-  }
-  co_return report;
 }
 
 boost::asio::awaitable<void> RemoteNode::serve(Life& life) {

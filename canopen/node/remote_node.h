@@ -39,8 +39,9 @@ struct Received;
 /// begins again when that life is over (live(), one page). The frame handlers only record what they hear and end the
 /// life. One dead drive never delays another.
 ///
-/// Parts: remote_node.cpp the life, remote_node_heard.cpp what is heard, remote_node_alive.cpp what tells that it
-/// lives, remote_node_asked.cpp what is asked for.
+/// Parts: remote_node.cpp the life, remote_node_boot.cpp how it comes into service, remote_node_steps.cpp what belongs
+/// to a stage; remote_node_heard.cpp what is heard, remote_node_alive.cpp what tells that it lives;
+/// remote_node_asked.cpp what is read and commanded, remote_node_nmt.cpp what it is told to be.
 class RemoteNode {
  public:
   /// `bus` and `events` outlive the node.
