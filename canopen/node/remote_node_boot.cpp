@@ -5,9 +5,8 @@
 #include <utility>
 
 #include "canopen/bus/bus.h"
-#include "canopen/communication_objects.h"
-#include "canopen/hex.h"
 #include "canopen/node/configure.h"
+#include "canopen/node/error_report.h"
 #include "canopen/node/remote_node.h"
 
 namespace canopen {
@@ -85,6 +84,7 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
   if (before.left_by_itself()) {
     report.text = co_await why_not_to_restart(context);
     report.letter = report.text.empty() ? BootResult::ok : BootResult::not_configured;
+    report.held_back = report.text.empty() ? HeldBack::no : HeldBack::left_operational;
     if (context.life.over() || !report.ok()) {
       co_return report;
     }
@@ -126,8 +126,9 @@ boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
     }
     events_.on_start_ignored();
     report.letter = BootResult::not_configured;
-    report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt));
-    report.text += co_await error_text(context);
+    report.held_back = HeldBack::start_ignored;
+    report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt)) + "; ";
+    report.text += co_await read_error_report(sdo_, context.life);
   }
   co_return report;
 }
@@ -164,20 +165,6 @@ boost::asio::awaitable<bool> RemoteNode::started_itself(const LifeContext& conte
   co_return running == false && self_start_due_ && !context.life.over();
 }
 
-/// What the node says of its errors, where it says something.
-boost::asio::awaitable<std::string> RemoteNode::error_text(const LifeContext& context) {
-  const Result<Raw> reg = co_await sdo_.read(kErrorRegister, DataType::u8);
-  if (context.life.over() || reg.has_error() || reg.value() == 0) {
-    co_return std::string();
-  }
-  const Result<Raw> newest = co_await sdo_.read(kNewestError, DataType::u32);
-  std::string text = "; its error register 0x1001 is 0x" + hex(reg.value(), 2);
-  if (newest.has_value() && newest.value() != 0) {
-    text += ", its newest error 0x1003:01 0x" + hex(newest.value(), 8);
-  }
-  co_return text;
-}
-
 void RemoteNode::accept(const BootReport& report) {
   verified_tpdos_ = report.verified_tpdos;
   doubled_.set_rate_known(report.heartbeat_as_wanted);
@@ -196,6 +183,7 @@ void RemoteNode::accept(const BootReport& report) {
 void RemoteNode::go_online(Arrival arrival) {
   enter(Stage::serving);
   restart_.come_online(Clock::now());
+  retry_.begin_anew();
   change_status([this](NodeStatus& status) {
     status.online = true;
     status.configured = true;

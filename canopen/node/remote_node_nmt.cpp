@@ -159,6 +159,8 @@ void RemoteNode::on_nmt_left(NmtCommand command) {
       half_done_.clear();
       hold_reason_.clear();
       restart_.begin_anew();
+      retry_.begin_anew();
+      patience_.expect_boot_up();
       self_start_due_ = true;
       watch_.suspend();
       guarding_.stop();
@@ -184,6 +186,8 @@ boost::asio::awaitable<Result<void>> RemoteNode::start_by_boot(TimePoint deadlin
   StartRequest request;
   start_requests_.push_back(&request);
   restart_.begin_anew();
+  retry_.begin_anew();
+  retry_at_ = {};
   if (stage_ == Stage::serving) {
     change_status([](NodeStatus& status) { note_not_booted(status); });
   }

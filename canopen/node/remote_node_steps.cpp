@@ -76,6 +76,7 @@ void RemoteNode::end_life() {
     life_->end();
   }
   stage_ = Stage::searching;
+  retry_at_ = {};
   verified_tpdos_.clear();
   sdo_.interrupt();
   outputs_.cease();
