@@ -30,7 +30,7 @@ class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
     events_->on_bus_state(state);
   }
   void on_frames_lost(std::uint32_t count) override { events_->on_frames_lost(count); }
-  void on_error_frame() override { events_->on_error_frame(); }
+  void on_error_frame(canopen::ErrorSign sign) override { events_->on_error_frame(sign); }
   void on_bit_timing(const canopen::BitTiming& timing) override { events_->on_bit_timing(timing); }
 
   std::unique_ptr<canopen::Link> link_;

@@ -10,6 +10,51 @@ namespace {
 
 using config::Severity;
 
+/// What is to be done first, by the likeliest cause.
+std::string first_steps(canopen::BusCondition condition, const std::string& interface) {
+  switch (condition) {
+    case canopen::BusCondition::warning:
+    case canopen::BusCondition::passive:
+      return "check that all nodes have the same bit rate, the termination (120 ohm at both ends, 60 ohm between CAN_H "
+             "and CAN_L), cable, shield and stubs";
+    case canopen::BusCondition::bus_off:
+      return "look for CAN_H and CAN_L swapped or short-circuited, and for a node with another bit rate; it comes back "
+             "by restart-ms where that is set, else by `ip link set " +
+             interface + " type can restart`";
+    case canopen::BusCondition::down:
+      return "check that the adapter is plugged in and its driver loaded (`ip -details link show " + interface +
+             "`), then set its bit rate and `ip link set " + interface + " up`";
+    case canopen::BusCondition::error_active:
+      break;
+  }
+  return {};
+}
+
+BusFinding finding_of(const canopen::BusState& state, const std::string& interface) {
+  return {bus_reason(state.condition),
+          std::string(canopen::describe(state.condition)) +
+              ". What to do first: " + first_steps(state.condition, interface),
+          severity_of(state.condition)};
+}
+
+BusFinding finding_of(canopen::TransmitTrouble trouble, const std::string& interface) {
+  if (trouble == canopen::TransmitTrouble::not_acknowledged) {
+    return {"no-acknowledge",
+            "nobody acknowledges our frames. What to do first: check that another node is switched on and wired to "
+            "this bus, and "
+            "that it has the bit rate of " +
+                interface + "; a node that is alone on its bus always gets this",
+            Severity::warning};
+  }
+  return {"transmit-stuck",
+          "frames of ours do not leave, the transmit buffer stays full. What to do first: look for a bus full of "
+          "frames with lower "
+          "identifiers or another program that floods it (`candump " +
+              interface + "`), else for an adapter that hangs (`ip -details -statistics link show " + interface +
+              "`); taking " + interface + " down and up empties it",
+          Severity::warning};
+}
+
 BusFinding finding_of(const DoubledNode& doubled) {
   return {doubled.proof ? "doubled-node-id" : "doubled-node-id-suspected",
           "node id " + std::to_string(doubled.node) + " of " + doubled.drive +
@@ -22,8 +67,10 @@ BusFinding finding_of(const DoubledNode& doubled) {
 std::vector<BusFinding> bus_findings(const BusView& view) {
   std::vector<BusFinding> findings;
   if (view.state.condition != canopen::BusCondition::error_active) {
-    findings.push_back({bus_reason(view.state.condition), std::string(canopen::describe(view.state.condition)),
-                        severity_of(view.state.condition)});
+    findings.push_back(finding_of(view.state, view.interface));
+  }
+  if (view.troubles.transmit != canopen::TransmitTrouble::none) {
+    findings.push_back(finding_of(view.troubles.transmit, view.interface));
   }
   for (const DoubledNode& doubled : view.doubled) {
     findings.push_back(finding_of(doubled));

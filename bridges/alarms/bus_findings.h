@@ -21,6 +21,7 @@ struct DoubledNode {
 /// All that is known of a bus.
 struct BusView {
   canopen::BusState state{};
+  std::string interface{};       ///< For the text.
   std::uint8_t own_node_id = 0;  ///< The gateway's, for the text.
   canopen::BusTroubles troubles{};
   std::vector<DoubledNode> doubled{};

@@ -51,8 +51,14 @@ std::string boot_text(const canopen::NodeStatus& status) {
   if (!is_letter(status.boot_result)) {
     return status.boot_text;
   }
-  const std::string letter(1, static_cast<char>(status.boot_result));
-  return letter + ": " + (status.boot_text.empty() ? std::string(text_of(status.boot_result)) : status.boot_text);
+  // Where no setting is the cause, the text says what the letter means.
+  const bool says_it = status.held_back != canopen::HeldBack::no && !status.boot_text.empty();
+  std::string text(1, static_cast<char>(status.boot_result));
+  text += ": " + (says_it ? status.boot_text : std::string(text_of(status.boot_result, status.held_back)));
+  if (!says_it && !status.boot_text.empty()) {
+    text += ": " + status.boot_text;
+  }
+  return text + ". What to do first: " + std::string(first_steps(status.boot_result, status.held_back));
 }
 
 }  // namespace

@@ -38,6 +38,20 @@ std::string_view letter_reason(BootResult letter) noexcept {
   return {};
 }
 
+std::string_view held_back_reason(HeldBack held_back) noexcept {
+  switch (held_back) {
+    case HeldBack::left_operational:
+      return "left-operational";
+    case HeldBack::found_stopped:
+      return "found-stopped";
+    case HeldBack::start_ignored:
+      return "start-ignored";
+    case HeldBack::no:
+      break;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string_view heartbeat_reason(const canopen::NodeStatus& status) noexcept {
@@ -46,7 +60,7 @@ std::string_view heartbeat_reason(const canopen::NodeStatus& status) noexcept {
 
 std::string_view boot_reason(const canopen::NodeStatus& status) noexcept {
   if (status.boot_result == BootResult::not_configured && status.held_back != HeldBack::no) {
-    return status.held_back == HeldBack::left_operational ? "left-operational" : "found-stopped";
+    return held_back_reason(status.held_back);
   }
   if (!is_letter(status.boot_result)) {
     return status.boot_text.empty() ? "" : "undecided";

@@ -37,6 +37,7 @@ class Plant::Body {
 
   [[nodiscard]] std::vector<alarms::BusFinding> findings(std::size_t bus) const {
     alarms::BusView view{.state = lines[bus].state,
+                         .interface = model.buses[bus].interface,
                          .own_node_id = model.buses[bus].node_id,
                          .troubles = lines[bus].troubles,
                          .doubled = {},

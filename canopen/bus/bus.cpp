@@ -78,6 +78,13 @@ const BusStatistics& Bus::statistics() noexcept {
   return statistics_;
 }
 
+TransmitSigns Bus::transmit_signs() const noexcept {
+  return {.state = state_,
+          .unsent_since = queue_.unsent_since(),
+          .ack_error_at = ack_error_at_,
+          .silent_since = silent_since_};
+}
+
 void Bus::on_frames(std::span<const Received> frames) {
   if (!state_.up()) {
     return;  // They are from before, and say nothing of the bus that is to come.
@@ -86,6 +93,7 @@ void Bus::on_frames(std::span<const Received> frames) {
     ++statistics_.frames_received;
     errors_.add(false);
     load_.add(received.frame, received.at);
+    silent_since_ = received.at;
     queue_.on_received(received.at);
     dispatch_.deliver(received);
   }
@@ -122,6 +130,13 @@ void Bus::on_bus_state(const BusState& state) {
   state_handlers_.call(state);
 }
 
+void Bus::on_error_frame(ErrorSign sign) {
+  errors_.add(true);
+  if (sign == ErrorSign::not_acknowledged) {
+    ack_error_at_ = Clock::now();
+  }
+}
+
 void Bus::on_bit_timing(const BitTiming& timing) {
   bitrate_ = timing.bitrate;
   sdo_budget_.set_bitrate(timing.bitrate);
@@ -130,6 +145,8 @@ void Bus::on_bit_timing(const BitTiming& timing) {
 }
 
 void Bus::come_up() {
+  silent_since_ = Clock::now();
+  ack_error_at_.reset();
   queue_.on_bus(true);
   if (has_sync()) {
     sync_.start();

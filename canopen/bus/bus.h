@@ -19,6 +19,7 @@
 #include "canopen/bus/subscription.h"
 #include "canopen/bus/ticket.h"
 #include "canopen/bus/transmit_queue.h"
+#include "canopen/bus/transmit_trouble.h"
 #include "canopen/sdo/budget.h"
 #include "canopen/wake_up.h"
 
@@ -76,6 +77,8 @@ class Bus final : private LinkEvents {
   [[nodiscard]] SdoBudget& sdo_budget() noexcept { return sdo_budget_; }
   [[nodiscard]] const BusState& state() const noexcept { return state_; }
   [[nodiscard]] const BusStatistics& statistics() noexcept;
+  /// For judge_transmission().
+  [[nodiscard]] TransmitSigns transmit_signs() const noexcept;
   [[nodiscard]] const BusSettings& settings() const noexcept { return settings_; }
   /// bit/s, by the interface, else by the settings; nothing where neither tells it.
   [[nodiscard]] std::optional<std::uint32_t> bitrate() const noexcept { return bitrate_; }
@@ -87,7 +90,7 @@ class Bus final : private LinkEvents {
   void on_echo(const Frame& frame, TimePoint at) override;
   void on_bus_state(const BusState& state) override;
   void on_frames_lost(std::uint32_t count) override;
-  void on_error_frame() override { errors_.add(true); }
+  void on_error_frame(ErrorSign sign) override;
   void on_bit_timing(const BitTiming& timing) override;
 
   void come_up();
@@ -106,6 +109,8 @@ class Bus final : private LinkEvents {
   BusStatistics statistics_;
   BusLoad load_;
   ErrorShare errors_;
+  std::optional<TimePoint> ack_error_at_;
+  TimePoint silent_since_{};  ///< The newest frame of others, or when the bus came up.
   SdoBudget sdo_budget_;
   Dispatch dispatch_;
   HandlerList<const BusState&> state_handlers_;

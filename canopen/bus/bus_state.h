@@ -25,8 +25,16 @@ struct BusState {
   friend bool operator==(const BusState&, const BusState&) = default;
 };
 
+/// Why frames of ours do not leave.
+enum class TransmitTrouble : std::uint8_t {
+  none,
+  not_acknowledged,  ///< Nobody acknowledges them.
+  stuck              ///< They wait, and nothing tells why.
+};
+
 /// What is wrong on a bus beside the state of its controller.
 struct BusTroubles {
+  TransmitTrouble transmit = TransmitTrouble::none;
   bool own_node_id = false;   ///< Another node sends heartbeats with the gateway's node id.
   bool overload = false;      ///< The load was above 90 % for a second, and not below 80 % since.
   std::string second_master;  ///< What another master does (what it sends); empty: there is none.

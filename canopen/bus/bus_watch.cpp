@@ -88,8 +88,17 @@ bool BusWatch::is_overloaded() const {
   return troubles_.overload ? load >= kNoOverload : load > kOverload;
 }
 
+TransmitTrouble BusWatch::transmit_trouble() const {
+  const TransmitSigns signs = bus_.transmit_signs();
+  const TimePoint now = Clock::now();
+  const TransmitTrouble trouble = judge_transmission(signs, now);
+  // After a stall the echo, or the frames of others, may lie in the socket. Asking costs system calls.
+  return trouble == TransmitTrouble::none ? trouble : judge_transmission(signs, std::min(now, bus_.heard_until()));
+}
+
 void BusWatch::tell() {
-  BusTroubles now{.own_node_id = own_id_at_.has_value(),
+  BusTroubles now{.transmit = transmit_trouble(),
+                  .own_node_id = own_id_at_.has_value(),
                   .overload = is_overloaded(),
                   .second_master = other_master_ ? std::string() : second_master_.text()};
   if (now != troubles_) {

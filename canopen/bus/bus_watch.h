@@ -19,7 +19,8 @@ class Bus;
 struct NodeSettings;
 struct Received;
 
-/// Looks after who else is on a bus and how full it is: only by what is heard anyway, it sends nothing.
+/// Looks after who else is on a bus, how full it is, and whether frames of ours leave: only by what is heard anyway, it
+/// sends nothing.
 class BusWatch {
  public:
   struct Handlers {
@@ -45,6 +46,7 @@ class BusWatch {
   /// Each fifth of a second: what is too old goes, and the load is looked at.
   void look();
   [[nodiscard]] bool is_overloaded() const;
+  [[nodiscard]] TransmitTrouble transmit_trouble() const;
   void tell();
 
   Bus& bus_;

@@ -17,6 +17,12 @@ struct Received {
   WallTime wall;  ///< The kernel's receive stamp.
 };
 
+/// What an error frame of the driver tells beside a state.
+enum class ErrorSign : std::uint8_t {
+  other,
+  not_acknowledged  ///< Nobody acknowledged a frame of ours.
+};
+
 /// What a link tells its owner. Called from the loop only, never from inside Link::send().
 class LinkEvents {
  public:
@@ -28,8 +34,9 @@ class LinkEvents {
   virtual void on_bus_state(const BusState& state) = 0;
   /// `count` received frames were dropped before we read them (SO_RXQ_OVFL).
   virtual void on_frames_lost(std::uint32_t count) = 0;
-  /// The driver told of an error: a change of the error state, an overrun, a bus-off or the end of one.
-  virtual void on_error_frame() {}
+  /// The driver told of an error: a change of the error state, an overrun, a bus-off or the end of one, a frame that
+  /// nobody acknowledged.
+  virtual void on_error_frame(ErrorSign /*sign*/) {}
   /// What the controller is set up with: when it is first known, and when it changed.
   virtual void on_bit_timing(const BitTiming& /*timing*/) {}
 

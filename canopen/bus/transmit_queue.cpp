@@ -82,13 +82,20 @@ void TransmitQueue::drop_waiting(Which which, Departure departure) {
 
 void TransmitQueue::on_echo(const Frame& frame, TimePoint at) {
   on_received(at);
+  unsent_since_.reset();
   retry_at_.reset();
   retry_pause_ = kRetry;
   in_flight_.on_echo(frame, at);
 }
 
+void TransmitQueue::on_frames_lost() {
+  unsent_since_.reset();
+  in_flight_.on_frames_lost();
+}
+
 void TransmitQueue::on_bus(bool up) {
   up_ = up;
+  unsent_since_.reset();
   if (up) {
     return;
   }
@@ -155,6 +162,7 @@ void TransmitQueue::hand_over(TimePoint now) {
     if (next == waiting_.rend()) {
       return;
     }
+    unsent_since_ = unsent_since_.value_or(now);
     // `down` is followed by a report of the bus' state; until then it is no different.
     if (link_.send(next->frame) != SendResult::handed_over) {
       retry_at_ = now + retry_pause_;

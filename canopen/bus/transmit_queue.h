@@ -56,7 +56,7 @@ class TransmitQueue {
   void on_echo(const Frame& frame, TimePoint at);
   void on_received(TimePoint at) noexcept { last_sign_of_life_ = at; }
   /// Received frames were lost, and with them perhaps echoes.
-  void on_frames_lost() { in_flight_.on_frames_lost(); }
+  void on_frames_lost();
   /// For what is handed over from now on.
   void set_times(TransmitTimes times) noexcept { in_flight_.set_times(times); }
   /// The bus came up or went down. What waits is dropped and answered when it goes down.
@@ -67,6 +67,8 @@ class TransmitQueue {
   /// Lies in the past while the link lags behind.
   [[nodiscard]] std::optional<TimePoint> next_time() const noexcept;
   [[nodiscard]] bool idle() const noexcept { return waiting_.empty(); }
+  /// Since when nothing of ours has left although something was to: handed over without an echo, or not taken.
+  [[nodiscard]] std::optional<TimePoint> unsent_since() const noexcept { return unsent_since_; }
   /// A heartbeat of ours would tell what is not known: whether the bus lives, where only commands and repetitions wait;
   /// or whether a frame has gone whose echo is missing, and which one of them waits for.
   [[nodiscard]] bool wants_heartbeat(TimePoint now) const noexcept;
@@ -91,6 +93,7 @@ class TransmitQueue {
   std::vector<Outgoing> waiting_;  ///< The next one to go is the last.
   std::uint64_t last_id_ = 0;
   std::optional<TimePoint> last_sign_of_life_;
+  std::optional<TimePoint> unsent_since_;
   std::optional<TimePoint> retry_at_;
   Duration retry_pause_ = kRetry;
   bool up_ = false;

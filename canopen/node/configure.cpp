@@ -28,6 +28,7 @@ void note(BootReport& report, const BootFailure& failure) {
   report.interrupted = failure.interrupted;
   report.letter = failure.interrupted ? BootResult::ok : failure.letter;
   report.text = failure.text;
+  report.cause = failure.cause;
 }
 
 using ErrorControlStep = boost::asio::awaitable<ErrorControlOutcome> (*)(SetupSession&, std::vector<std::string>&);

@@ -19,7 +19,9 @@ namespace canopen {
 /// How a configuration or an inspection went.
 struct BootReport {
   BootResult letter = BootResult::ok;
+  HeldBack held_back = HeldBack::no;
   std::string text;                           ///< Why it is a letter.
+  std::string cause;                          ///< See BootFailure::cause.
   bool interrupted = false;                   ///< The life ended, or our frames could not leave: no verdict.
   std::vector<std::uint16_t> verified_tpdos;  ///< Their transmission type and timers are as they should be.
   std::vector<std::string> remarks;           ///< What the node lacks and was taken for granted, or what will do.

@@ -16,13 +16,6 @@
 
 namespace canopen {
 
-/// Why a node with letter J is neither configured nor started.
-enum class HeldBack : std::uint8_t {
-  no,                ///< It is not held back.
-  left_operational,  ///< It left operational by itself.
-  found_stopped      ///< Somebody stopped it before we came.
-};
-
 /// What is known of a node right now.
 struct NodeStatus {
   bool online = false;                  ///< Error control alive, and booted or taken over, and the bus up.

@@ -17,21 +17,12 @@ namespace {
 // How often a silent node is asked by SDO whether it is there: one frame, so that a node is found that neither boots
 // visibly nor has a heartbeat.
 constexpr Duration kProbeInterval = std::chrono::seconds(3);
-// Before a node that could not be configured or taken over is tried again.
-constexpr Duration kRetryInterval = std::chrono::seconds(5);
+// Before one that is held back, or that our frames did not reach, is looked after again.
+constexpr Duration kLookAfter = std::chrono::seconds(5);
 // Before one that was left alone is looked at again: only somebody else can put it right.
 constexpr Duration kLookInterval = std::chrono::minutes(1);
 // Keeps a life that fails at once, as with a full transmit queue, from spinning.
 constexpr Duration kBreath = std::chrono::milliseconds(10);
-
-std::string why_no_error_control(const LifeContext& context, ErrorControlKind kind) {
-  if (kind == ErrorControlKind::guarding) {
-    return no_guarding_text(context);
-  }
-  return context.heard.by_guarding
-             ? "it sends no heartbeat, 0x1017:00 is 0; guarding is not supported in its place, unless guarding is set"
-             : "TPDOs and SDO answers come, but no heartbeat, although 0x1017:00 is set";
-}
 
 }  // namespace
 
@@ -54,7 +45,8 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
           [this](std::uint16_t tpdo) { return stage_ == Stage::serving && tpdo_verified(tpdo); },
           [this] { on_doubled(); }),
       expectation_(settings_.error_control.heartbeat_timeout),
-      restart_(settings_.restart) {
+      restart_(settings_.restart),
+      patience_(settings_.sdo.patience) {
   sdo_.on_second_answer([this](bool different) { doubled_.on_second_answer(different); });
   sdo_.on_abort(
       [this](std::uint32_t code) { change_status([code](NodeStatus& status) { status.last_abort = code; }); });
@@ -133,6 +125,10 @@ boost::asio::awaitable<void> RemoteNode::live(Life& life) {
   BootReport report;
   if (found == FoundState::operational) {
     report = co_await take_over(context(life));
+  } else if (Clock::now() < retry_at_) {
+    enter(Stage::waiting);  // It was missing meanwhile, as with a heartbeat that is too slow: nothing is new.
+    co_await pause_and_look(life);
+    co_return;
   } else if (found != FoundState::not_asked) {
     report = co_await boot(context(life), found);
   }
@@ -142,6 +138,8 @@ boost::asio::awaitable<void> RemoteNode::live(Life& life) {
   if (stage_ == Stage::serving) {
     settle_start_requests({});
     co_await serve(life);
+  } else if (is_letter(report.letter) && !sdo_.answered() && patience_.lasts(Clock::now())) {
+    co_await wait_for_answers(life);
   } else {
     co_await wait_for_retry(life, std::move(report));
   }
@@ -172,114 +170,6 @@ boost::asio::awaitable<FoundState> RemoteNode::find(Life& life) {
   co_return found;
 }
 
-/// What runs is compared, and left as it is where it differs.
-boost::asio::awaitable<BootReport> RemoteNode::take_over(LifeContext context) {
-  enter(Stage::inspecting);
-  BootReport report = co_await inspect(context);
-  const bool proven = heard_.heartbeat_at && (!guarding_.running() || guarding_.alternates());
-  if (report.ok() && report.error_control != ErrorControlKind::none && !proven) {
-    const bool alive = co_await heartbeat_after(context, Clock::now());
-    if (!alive) {
-      report.letter = BootResult::no_error_control;
-      report.text = why_no_error_control(context, report.error_control);
-    }
-  }
-  if (context.life.over()) {
-    co_return report;
-  }
-  if (report.letter == BootResult::left_alone) {
-    const bool again = settings_.reconfigure_running || co_await started_itself(context);
-    if (again && !context.life.over()) {
-      co_return co_await boot(context, FoundState::operational);
-    }
-    report.text += half_done_.empty() ? "" : "; our configuration of it was interrupted: " + half_done_;
-  } else if (report.ok()) {
-    accept(report);
-    go_online(Arrival::taken_over);
-  }
-  co_return report;
-}
-
-/// Configures it and starts it, where nothing speaks against a start. What it is told to be meanwhile ends the life.
-boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundState found) {
-  enter(Stage::configuring);
-  expectation_.begin_boot();
-  take_start_requests();
-  BootReport report;
-  // A stopped node answers no SDO; an operational one refuses most settings.
-  if (found == FoundState::stopped || found == FoundState::operational) {
-    report.interrupted = !co_await make_pre_operational(context);
-  }
-  if (!report.interrupted) {
-    report = co_await configure(context, found);
-  }
-  if (report.letter == BootResult::not_configured && co_await started_itself(context)) {
-    report.interrupted = !co_await make_pre_operational(context);
-    if (!report.interrupted) {
-      report = co_await configure(context, FoundState::not_operational);
-    }
-  }
-  if (!report.ok() || context.life.over()) {
-    co_return report;
-  }
-  accept(report);
-  take_start_requests();
-  co_return co_await start_node(context);
-}
-
-boost::asio::awaitable<BootReport> RemoteNode::start_node(LifeContext context) {
-  BootReport report;
-  const NmtExpectation before = expectation_;
-  if (before.left_by_itself()) {
-    report.text = co_await why_not_to_restart(context);
-    report.letter = report.text.empty() ? BootResult::ok : BootResult::not_configured;
-    if (context.life.over() || !report.ok()) {
-      co_return report;
-    }
-  }
-  if (expectation_.held_by_command()) {
-    if (without_error_control()) {
-      heard_.state = NmtState::pre_operational;  // It answers, and was not started.
-    }
-    go_online(Arrival::booted);  // Configured, and held back from starting.
-    co_return report;
-  }
-  enter(Stage::starting);
-  const Result<void> left = co_await transmit_nmt(NmtCommand::start, Clock::now() + kNmtTime);
-  if (context.life.over()) {
-    co_return report;
-  }
-  if (left.has_value()) {
-    settle_start_requests({});
-    if (without_error_control()) {
-      heard_.state = NmtState::operational;  // Nothing will ever tell; it has been commanded.
-      go_online(Arrival::booted);
-    }
-    const TimePoint until = expectation_.settled_at();
-    while (stage_ == Stage::starting && !context.life.over() && bus_.may_still_hear(until)) {
-      co_await context.life.wait_until(or_soon(until));
-    }
-  }
-  if (stage_ != Stage::starting || context.life.over()) {
-    co_return report;
-  }
-  if (expectation_.held_by_command()) {
-    go_online(Arrival::booted);  // A stop has come before it, or behind it.
-  } else if (left.has_error()) {
-    report.interrupted = true;
-  } else {
-    expectation_.begin_boot();
-    if (before.left_by_itself()) {
-      expectation_ = before;  // The next try, too, looks at the motor first.
-    }
-    events_.on_start_ignored();
-    report.letter = BootResult::not_configured;
-    report.text = "NMT start was sent, but the drive stays " + std::string(name_of(status_.nmt));
-    report.text += co_await error_text(context);
-  }
-  co_return report;
-}
-
 boost::asio::awaitable<void> RemoteNode::serve(Life& life) {
   while (!life.over()) {
     const TimePoint next = std::min({restart_.at(), next_look(), next_serial_read()});
@@ -298,28 +188,47 @@ boost::asio::awaitable<void> RemoteNode::stay_silent(Life& life) {
     status.set_nmt(NmtState::unknown);
   });
   settle_start_requests(silent_error());
+  retry_at_ = {};  // Where it appears now, it begins anew.
   co_await pause(life, Clock::now() + kProbeInterval);
+}
+
+/// It has booted, and its SDO server may wake up later: no letter yet, and the boot counts as under way.
+boost::asio::awaitable<void> RemoteNode::wait_for_answers(Life& life) {
+  const TimePoint now = Clock::now();
+  if (patience_.to_be_told()) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(patience_.until() - now);
+    events_.on_remark("its SDO server is silent after the boot-up; it has " + std::to_string(left.count()) +
+                      " ms more (sdo.patience)");
+  }
+  const TimePoint next = patience_.next_try(now);
+  co_await pause(life, next);
 }
 
 /// For another try, or for somebody to put it right.
 boost::asio::awaitable<void> RemoteNode::wait_for_retry(Life& life, BootReport report) {
   enter(Stage::waiting);
-  const bool told_by_itself = report.letter == BootResult::left_alone && !heard_.by_guarding;
+  Duration pause = kLookAfter;
+  if (report.letter == BootResult::left_alone && !heard_.by_guarding) {
+    pause = kLookInterval;
+  } else if (is_letter(report.letter) && !expectation_.left_by_itself()) {  // Else restart_ decides.
+    pause = retry_.after(report.letter, report.cause.empty() ? report.text : report.cause);
+  }
   if (expectation_.left_by_itself() && restart_.at() == kNever) {
     restart_.put_off(Clock::now());  // It did not go well.
   }
   if (is_letter(report.letter)) {
-    Error refused = offline_error({}, std::string(text_of(report.letter)) + ": " + report.text);
+    Error refused = offline_error({}, std::string(text_of(report.letter, report.held_back)) + ": " + report.text);
     refused.kind = ErrorKind::refused;
     settle_start_requests(refused);
     change_status([&report](NodeStatus& status) {
       status.configured = false;
       status.boot_result = report.letter;
       status.boot_text = std::move(report.text);
-      status.held_back = HeldBack::no;
+      status.held_back = report.held_back;
     });
   }
-  co_await pause_and_look(life, Clock::now() + (told_by_itself ? kLookInterval : kRetryInterval));
+  retry_at_ = Clock::now() + pause;
+  co_await pause_and_look(life);
 }
 
 /// Neither configured nor started: it left operational by itself, or somebody stopped it.
@@ -340,16 +249,28 @@ boost::asio::awaitable<void> RemoteNode::hold_back(Life& life, FoundState found)
   if (found != FoundState::stopped && !sdo_.answered()) {
     static_cast<void>(co_await sdo_.probe(kDeviceType, DataType::u32));  // Reads are let through where it answers.
   }
-  const TimePoint until = std::min(Clock::now() + kRetryInterval, restart_.at());
-  co_await pause_and_look(life, until);
+  retry_at_ = std::min(Clock::now() + kLookAfter, restart_.at());
+  co_await pause_and_look(life);
   co_await restart_if_due(life);
 }
 
-boost::asio::awaitable<void> RemoteNode::pause_and_look(Life& life, TimePoint until) {
-  while (!life.over() && Clock::now() < until) {
-    const TimePoint next = std::min(until, next_serial_read());
+boost::asio::awaitable<void> RemoteNode::pause_and_look(Life& life) {
+  TimePoint look_at = Clock::now() + kLookAfter;
+  while (!life.over() && Clock::now() < retry_at_) {
+    const TimePoint next = std::min({retry_at_, next_serial_read(), look_at});
     co_await life.wait_until(next);
     co_await read_serial_if_doubled(life);
+    if (life.over() || Clock::now() < look_at || Clock::now() >= retry_at_) {
+      continue;
+    }
+    look_at = Clock::now() + kLookAfter;
+    const bool looked_at_each_minute = status_.boot_result == BootResult::left_alone && !heard_.by_guarding;
+    if (!looked_at_each_minute && (heard_.by_guarding || !heard_.heartbeat_at)) {  // Nothing comes unasked: is it there?
+      const Result<Raw> answer = co_await sdo_.probe(kDeviceType, DataType::u32);
+      if (answer.has_error() && answer.error().kind == ErrorKind::timeout && !answer.error().not_sent) {
+        co_return;
+      }
+    }
   }
 }
 

@@ -26,6 +26,8 @@
 #include "canopen/node/outputs.h"
 #include "canopen/node/pdo.h"
 #include "canopen/node/restart.h"
+#include "canopen/node/retry_pause.h"
+#include "canopen/node/sdo_patience.h"
 #include "canopen/sdo/client.h"
 #include "canopen/sdo/stop_limit.h"
 
@@ -39,8 +41,9 @@ struct Received;
 /// begins again when that life is over (live(), one page). The frame handlers only record what they hear and end the
 /// life. One dead drive never delays another.
 ///
-/// Parts: remote_node.cpp the life, remote_node_heard.cpp what is heard, remote_node_alive.cpp what tells that it
-/// lives, remote_node_asked.cpp what is asked for.
+/// Parts: remote_node.cpp the life, remote_node_boot.cpp how it comes into service, remote_node_steps.cpp what belongs
+/// to a stage; remote_node_heard.cpp what is heard, remote_node_alive.cpp what tells that it lives;
+/// remote_node_asked.cpp what is read and commanded, remote_node_nmt.cpp what it is told to be.
 class RemoteNode {
  public:
   /// `bus` and `events` outlive the node.
@@ -148,12 +151,14 @@ class RemoteNode {
   boost::asio::awaitable<BootReport> start_node(LifeContext context);
   boost::asio::awaitable<void> serve(Life& life);
   boost::asio::awaitable<void> stay_silent(Life& life);
+  boost::asio::awaitable<void> wait_for_answers(Life& life);
   boost::asio::awaitable<void> wait_for_retry(Life& life, BootReport report);
   boost::asio::awaitable<void> hold_back(Life& life, FoundState found);
   boost::asio::awaitable<void> read_for_sign_of_life(Life& life);
   static boost::asio::awaitable<void> pause(Life& life, TimePoint until);
-  /// And looks for a second node where there are signs of one.
-  boost::asio::awaitable<void> pause_and_look(Life& life, TimePoint until);
+  /// Until retry_at_, or until a node of which nothing comes unasked does not answer any more; and looks for a second
+  /// node where there are signs of one.
+  boost::asio::awaitable<void> pause_and_look(Life& life);
 
   // Its steps.
   [[nodiscard]] LifeContext context(Life& life) { return {bus_, sdo_, guarding_, settings_, heard_, half_done_, life}; }
@@ -168,7 +173,6 @@ class RemoteNode {
   boost::asio::awaitable<bool> make_pre_operational(const LifeContext& context);
   /// It went operational by itself after its boot-up, and its motor stands: it may be made pre-operational.
   boost::asio::awaitable<bool> started_itself(const LifeContext& context);
-  boost::asio::awaitable<std::string> error_text(const LifeContext& context);
   boost::asio::awaitable<std::string> why_not_to_restart(const LifeContext& context);
   boost::asio::awaitable<void> restart_if_due(Life& life);
   [[nodiscard]] TimePoint next_serial_read() const noexcept;
@@ -249,6 +253,9 @@ class RemoteNode {
   std::string half_done_;
   bool self_start_due_ = false;  ///< It has rebooted, and was not made pre-operational since (self_starting).
   Restart restart_;
+  RetryPause retry_;
+  TimePoint retry_at_{};  ///< Before that it is not booted again, unless something was heard of it that is new.
+  SdoPatience patience_;
   bool restarting_ = false;     ///< The next life is for that.
   TimePoint serial_read_at_{};  ///< When it is read next, where there are hints of a second node.
   std::string hold_reason_;     ///< Why it was not started again when it was tried.

@@ -32,6 +32,8 @@ void RemoteNode::on_boot_up(TimePoint at) {
   heard_ = Heard{.boot_up = true};
   expectation_.begin_anew();
   restart_.begin_anew();
+  retry_.begin_anew();
+  patience_.begin(at);
   hold_reason_.clear();
   half_done_.clear();
   self_start_due_ = true;
@@ -55,6 +57,7 @@ void RemoteNode::on_heartbeat(NmtState state, TimePoint at) {
   if (meaning == StateMeaning::from_before) {
     return;
   }
+  patience_.hear(state == NmtState::operational, at);
   heard_.heartbeat_at = at;
   heard_.by_guarding = false;
   watch_.alive(at);
@@ -98,6 +101,7 @@ void RemoteNode::on_single_guarding_answer(NmtState state, TimePoint at) {
   heard_.guarding_asked = false;
   heard_.by_guarding = true;
   status_.last_heartbeat = at;
+  patience_.hear(state == NmtState::operational, at);
   take_state(state, expectation_.hear(state, at));
 }
 
@@ -113,11 +117,14 @@ void RemoteNode::on_silence() {
     restart_.end();
   }
   half_done_.clear();
+  patience_.expect_boot_up();
   if (stage_ != Stage::searching) {
     // A search goes on: it asks the node at its end.
     // Guarding requests go on: the answer to the last one may be on its way. They end where the search finds nobody.
     heard_ = Heard{};
+    const TimePoint retry_at = stage_ == Stage::waiting ? retry_at_ : TimePoint{};
     end_life();
+    retry_at_ = retry_at;
   }
   change_status([was_heard](NodeStatus& status) {
     status.online = false;

@@ -1,6 +1,7 @@
 // What a node is heard to say: its state, TPDOs, emergencies; and what its bus tells. Handlers run inside the
 // dispatch of a frame and never wait: they record, and end the life where it cannot go on.
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -60,6 +61,7 @@ void RemoteNode::take_state(NmtState state, StateMeaning meaning) {
     tell_state(state, meaning);
   }
   if (ends_life(state, meaning, left_operational)) {
+    retry_.begin_anew();
     note_out_of_service();
     end_life();
   } else if (stage_ == Stage::serving && left_operational) {
@@ -109,6 +111,7 @@ void RemoteNode::on_tpdo(const Tpdo& tpdo, const Received& received) {
     return;
   }
   heard_.tpdo_at = received.at;
+  patience_.hear(true, received.at);  // Whoever sends them is operational.
   if (without_error_control()) {
     on_sign_of_life(received.at);
   }
@@ -141,6 +144,12 @@ void RemoteNode::on_emcy(const Received& received) {
   if (const std::optional<Emcy> emcy = decode_emcy(settings_.emcy, received.frame.bytes())) {
     change_status([](NodeStatus& status) { ++status.emergencies; });
     events_.on_emcy(*emcy, received.at, received.wall);
+    if (stage_ == Stage::waiting && status_.held_back == HeldBack::start_ignored && emcy->reset &&
+        emcy->error_register == 0) {
+      retry_.begin_anew();  // What kept it from starting has gone.
+      retry_at_ = std::min(retry_at_, Clock::now() + RetryPause::kFirst);
+      changed_.notify();
+    }
   }
 }
 
@@ -173,6 +182,8 @@ void RemoteNode::on_bus_state(const BusState& state) {
     heard_ = Heard{};
     half_done_.clear();
     expectation_.begin_boot();  // It may reboot unseen.
+    retry_.begin_anew();
+    patience_.expect_boot_up();
     end_life();
     change_status([](NodeStatus& status) {
       note_not_booted(status);

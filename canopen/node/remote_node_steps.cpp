@@ -1,13 +1,10 @@
 // The steps that the life of a node is made of, and what belongs to a stage of it.
 
-#include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
 
-#include "canopen/bus/bus.h"
 #include "canopen/communication_objects.h"
-#include "canopen/hex.h"
 #include "canopen/node/motor_check.h"
 #include "canopen/node/remote_node.h"
 
@@ -79,6 +76,7 @@ void RemoteNode::end_life() {
     life_->end();
   }
   stage_ = Stage::searching;
+  retry_at_ = {};
   verified_tpdos_.clear();
   sdo_.interrupt();
   outputs_.cease();
@@ -100,83 +98,6 @@ void RemoteNode::forget_stale_signs() {
   if (heard_.tpdo_at && *heard_.tpdo_at < oldest) {
     heard_.tpdo_at.reset();
   }
-}
-
-void RemoteNode::accept(const BootReport& report) {
-  verified_tpdos_ = report.verified_tpdos;
-  doubled_.set_rate_known(report.heartbeat_as_wanted);
-  for (const std::string& remark : report.remarks) {
-    events_.on_remark(remark);
-  }
-  if (report.emcy) {
-    events_.on_emcy_checked(*report.emcy);
-  }
-  half_done_.clear();
-  heard_.boot_up = false;
-  self_start_due_ = false;
-  change_status([](NodeStatus& status) { status.configured = true; });
-}
-
-void RemoteNode::go_online(Arrival arrival) {
-  enter(Stage::serving);
-  restart_.come_online(Clock::now());
-  change_status([this](NodeStatus& status) {
-    status.online = true;
-    status.configured = true;
-    status.lost = false;
-    status.set_nmt(heard_.state.value_or(status.nmt));
-    status.boot_result = BootResult::ok;
-    status.held_back = HeldBack::no;
-    status.boot_text.clear();
-  });
-  events_.on_arrival(arrival);
-  changed_.notify();
-}
-
-/// False where the command could not leave, or the life is over.
-boost::asio::awaitable<bool> RemoteNode::make_pre_operational(const LifeContext& context) {
-  const TimePoint deadline = Clock::now() + kNmtTime;
-  const NmtExpectation before = expectation_;
-  expectation_.interrupt_for_boot(deadline);
-  const NmtExpectation given = expectation_;
-  const Result<void> left = co_await transmit_nmt(NmtCommand::pre_operational, deadline);
-  if (context.life.over()) {
-    co_return false;
-  }
-  if (left.has_error() && !left.error().outcome_unknown) {
-    if (expectation_ == given) {
-      expectation_ = before;
-    }
-    co_return false;
-  }
-  self_start_due_ = false;
-  expectation_.interrupt_for_boot(Clock::now());
-  heard_.state.reset();
-  heard_.stopped_by_us = false;
-  heard_.tpdo_at.reset();
-  co_return true;
-}
-
-boost::asio::awaitable<bool> RemoteNode::started_itself(const LifeContext& context) {
-  if (!settings_.self_starting || !self_start_due_ || context.life.over()) {
-    co_return false;
-  }
-  const std::optional<bool> running = co_await motor_runs();
-  co_return running == false && self_start_due_ && !context.life.over();
-}
-
-/// What the node says of its errors, where it says something.
-boost::asio::awaitable<std::string> RemoteNode::error_text(const LifeContext& context) {
-  const Result<Raw> reg = co_await sdo_.read(kErrorRegister, DataType::u8);
-  if (context.life.over() || reg.has_error() || reg.value() == 0) {
-    co_return std::string();
-  }
-  const Result<Raw> newest = co_await sdo_.read(kNewestError, DataType::u32);
-  std::string text = "; its error register 0x1001 is 0x" + hex(reg.value(), 2);
-  if (newest.has_value() && newest.value() != 0) {
-    text += ", its newest error 0x1003:01 0x" + hex(newest.value(), 8);
-  }
-  co_return text;
 }
 
 /// What speaks against starting a node that left operational by itself; what is told of it then. Empty: nothing.

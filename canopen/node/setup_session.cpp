@@ -195,8 +195,9 @@ BootFailure SetupSession::failure(const Error& error, std::string_view name) con
     return {.interrupted = true};
   }
   const bool silent = error.kind == ErrorKind::timeout && !answered_;
-  return {silent ? BootResult::no_answer : BootResult::not_configured, std::string(name) + ": " + to_string(error),
-          false};
+  return {.letter = silent ? BootResult::no_answer : BootResult::not_configured,
+          .text = std::string(name) + ": " + to_string(error),
+          .cause = to_string(error.object) + " " + std::string(name_of(error.kind)) + " 0x" + hex(error.abort, 8)};
 }
 
 BootFailure SetupSession::difference(std::string text) const {

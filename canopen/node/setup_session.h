@@ -20,6 +20,7 @@ struct BootFailure {
   BootResult letter = BootResult::not_configured;
   std::string text{};        ///< Object, expected, found.
   bool interrupted = false;  ///< The life ended, or our frames could not leave: no verdict, no letter.
+  std::string cause{};       ///< Of the text what does not change from one try to the next; empty: all of it.
 };
 
 /// What is to be made of differences.

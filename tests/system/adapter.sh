@@ -76,6 +76,8 @@ for value in 1200 1300 1400; do command_later $value; done
 adapter say e1a
 adapter say sp000128
 bus_is 2 passive
+wait_until 5 "that nobody acknowledges is in the log" \
+  bash -c "grep ' bus can0: ' '$work/gateway.err' | tail -n 1 | grep -q 'nobody acknowledges our frames'"
 wait_until 5 "pump1 is lost" field_is pump1/alarm/heartbeat .active true
 expect "pump1" offline "$(retained pump1/status)"
 for value in 1200 1300 1400; do

@@ -97,6 +97,7 @@ class Recorder final : public canopen::LinkEvents {
   void on_echo(const canopen::Frame& frame, canopen::TimePoint) override { echoes.push_back(frame); }
   void on_bus_state(const canopen::BusState& state) override { states.push_back(state); }
   void on_frames_lost(std::uint32_t count) override { lost += count; }
+  void on_error_frame(canopen::ErrorSign sign) override { error_signs.push_back(sign); }
 
   [[nodiscard]] bool is(canopen::BusCondition condition) const {
     return !states.empty() && states.back().condition == condition;
@@ -105,6 +106,7 @@ class Recorder final : public canopen::LinkEvents {
   std::vector<canopen::Received> received;
   std::vector<canopen::Frame> echoes;
   std::vector<canopen::BusState> states;
+  std::vector<canopen::ErrorSign> error_signs;
   std::uint32_t lost = 0;
   std::size_t largest_batch = 0;
   std::function<void()> when_received;

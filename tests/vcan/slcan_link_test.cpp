@@ -51,6 +51,18 @@ TEST_F(SlcanLinkTest, StatesComeFromTheController) {
   expect_lasting(BusCondition::bus_off);
 }
 
+TEST_F(SlcanLinkTest, AMissingAcknowledgementIsToldAndNoOtherBitError) {
+  open(adapter->interface());
+  expect(BusCondition::error_active);
+  adapter->say("e2bo");  // A bit error and an overrun: of these the overrun alone is asked for.
+  ASSERT_TRUE(run_until([&] { return events.lost == 1; }));
+  EXPECT_EQ(events.error_signs, std::vector<ErrorSign>{ErrorSign::other});
+  adapter->say("e1a");
+  ASSERT_TRUE(run_until([&] { return events.error_signs.size() == 2; }));
+  EXPECT_EQ(events.error_signs.back(), ErrorSign::not_acknowledged);
+  EXPECT_TRUE(events.is(BusCondition::error_active));
+}
+
 TEST_F(SlcanLinkTest, AFrameThatIsReceivedInBusOffTellsThatItIsOver) {
   open(adapter->interface());
   expect(BusCondition::error_active);

@@ -42,6 +42,10 @@ BusState after_error_frame(const BusState& before, const Frame& frame) noexcept 
   return after;
 }
 
+bool tells_no_acknowledge(const Frame& frame) noexcept {
+  return (frame.id & CAN_ERR_ACK) != 0;
+}
+
 bool tells_overrun(const Frame& frame) noexcept {
   return (frame.id & CAN_ERR_CRTL) != 0 && (frame.data[kControllerStatus] & CAN_ERR_CRTL_RX_OVERFLOW) != 0;
 }

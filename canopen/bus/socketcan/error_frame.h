@@ -9,6 +9,9 @@ namespace canopen::socketcan {
 /// the counters in data[6] (transmit) and data[7] (receive). Frames that tell of something else change nothing.
 [[nodiscard]] BusState after_error_frame(const BusState& before, const Frame& frame) noexcept;
 
+/// Nobody acknowledged a frame of ours.
+[[nodiscard]] bool tells_no_acknowledge(const Frame& frame) noexcept;
+
 /// The controller's own receive buffer ran over: at least one frame is lost.
 [[nodiscard]] bool tells_overrun(const Frame& frame) noexcept;
 

@@ -13,9 +13,10 @@
 namespace canopen::socketcan {
 namespace {
 
-// Changes of state and lost frames. CAN_ERR_BUSERROR and its kind tell of single bit errors, thousands a second where
-// `berr-reporting` is on, and nothing that the counters do not tell.
-constexpr can_err_mask_t kErrorClasses = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
+// Changes of state, lost frames, and frames that nobody acknowledged. CAN_ERR_BUSERROR and its kind tell of single bit
+// errors, thousands a second where `berr-reporting` is on, and nothing that the counters do not tell. CAN_ERR_ACK may
+// come as often, but only where nobody else is on the bus.
+constexpr can_err_mask_t kErrorClasses = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK;
 
 // Raised by the kernel to its minimum, room for about six frames: what waits must wait in our own queue.
 constexpr int kSendBuffer = 1;

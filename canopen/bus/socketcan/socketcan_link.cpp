@@ -298,7 +298,7 @@ void SocketCanLink::count_losses(std::optional<std::uint32_t> dropped) {
 
 void SocketCanLink::on_error_frame(const Frame& frame) {
   look_again_.arm_no_later_than(Clock::now() + kLookAgain);
-  events_->on_error_frame();
+  events_->on_error_frame(socketcan::tells_no_acknowledge(frame) ? ErrorSign::not_acknowledged : ErrorSign::other);
   if (socketcan::tells_overrun(frame)) {
     events_->on_frames_lost(1);
   }

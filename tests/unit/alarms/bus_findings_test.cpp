@@ -39,6 +39,45 @@ TEST(BusFindings, OneForEachFaultsFirst) {
   EXPECT_EQ(findings[3].severity, Severity::warning);
 }
 
+// Whoever reads it at the plant knows what to do.
+TEST(BusFindings, EachNamesItsLikelyCauseAndTheRemedy) {
+  struct Case {
+    BusView view;
+    std::string_view reason;
+    std::vector<std::string_view> said;
+  };
+  const auto in = [](BusCondition condition) {
+    return BusView{.state = {.condition = condition}, .interface = "can7"};
+  };
+  const auto with = [&in](canopen::TransmitTrouble trouble) {
+    BusView view = in(BusCondition::error_active);
+    view.troubles.transmit = trouble;
+    return view;
+  };
+  const std::vector<Case> cases{
+      {in(BusCondition::warning), "warning", {"error-warning", "bit rate", "termination", "cable"}},
+      {in(BusCondition::passive), "passive", {"error-passive", "bit rate", "termination", "cable"}},
+      {in(BusCondition::bus_off), "bus-off", {"short-circuited", "bit rate", "ip link set can7 type can restart"}},
+      {in(BusCondition::down), "down", {"adapter", "ip link set can7 up"}},
+      {with(canopen::TransmitTrouble::not_acknowledged),
+       "no-acknowledge",
+       {"nobody acknowledges", "another node is switched on", "bit rate of can7"}},
+      {with(canopen::TransmitTrouble::stuck),
+       "transmit-stuck",
+       {"transmit buffer stays full", "candump can7", "adapter that hangs"}}};
+  for (const Case& one : cases) {
+    const std::vector<BusFinding> findings = bus_findings(one.view);
+    ASSERT_EQ(findings.size(), 1U) << one.reason;
+    EXPECT_EQ(findings[0].reason, one.reason);
+    EXPECT_NE(findings[0].text.find(". What to do first: "), std::string::npos) << findings[0].text;
+    for (const std::string_view said : one.said) {
+      EXPECT_NE(findings[0].text.find(said), std::string::npos) << said << " in " << findings[0].text;
+    }
+  }
+  EXPECT_EQ(bus_findings(cases[4].view)[0].severity, Severity::warning);
+  EXPECT_EQ(bus_findings(cases[5].view)[0].severity, Severity::warning);
+}
+
 TEST(BusFindings, ABusThatIsDownComesFirst) {
   EXPECT_EQ(reasons({.state = {.condition = BusCondition::down},
                      .troubles = {.own_node_id = true, .overload = false, .second_master = {}}}),

@@ -90,10 +90,24 @@ TEST_F(AlarmsTest, BootAlarmNamesItsLetterAndReason) {
   alarms_->on_status(status_, wall_);
   const Alarm& alarm = alarms_->alarm(AlarmKind::boot);
   EXPECT_TRUE(alarm.active);
-  EXPECT_EQ(alarm.text, "C: 0x1000:00 is 0x00000191, expected 0x00010192");
+  EXPECT_EQ(
+      alarm.text,
+      "C: another device type than expected: 0x1000:00 is 0x00000191, expected 0x00010192. What to do first: look "
+      "whether the planned drive has this node id; if it does, correct identity.device_type or the profile");
   status_.boot_text.clear();
   come_online();
   EXPECT_FALSE(alarm.active);
+}
+
+TEST_F(AlarmsTest, ABootAlarmWhereNoSettingIsTheCauseSaysSoOnce) {
+  status_.boot_result = canopen::BootResult::not_configured;
+  status_.held_back = canopen::HeldBack::found_stopped;
+  status_.boot_text = "it was found stopped; it is left so until an NMT start command or its boot-up";
+  alarms_->on_status(status_, wall_);
+  EXPECT_EQ(alarms_->alarm(AlarmKind::boot).text,
+            "J: it was found stopped; it is left so until an NMT start command or its boot-up. What to do first: find "
+            "out who stopped it, and why; then NMT start");
+  EXPECT_EQ(alarms_->alarm(AlarmKind::boot).reason, "found-stopped");
 }
 
 TEST_F(AlarmsTest, DataAlarmIsAWarningWithAllTexts) {

@@ -44,6 +44,7 @@ TEST(ReasonTest, OfABootAlarm) {
       {BootResult::not_configured, HeldBack::no, "", "not-configured"},
       {BootResult::not_configured, HeldBack::left_operational, "why", "left-operational"},
       {BootResult::not_configured, HeldBack::found_stopped, "why", "found-stopped"},
+      {BootResult::not_configured, HeldBack::start_ignored, "why", "start-ignored"},
       {BootResult::no_heartbeat, HeldBack::no, "", "no-heartbeat"},
       {BootResult::no_guarding, HeldBack::no, "", "no-guarding"},
       {BootResult::left_alone, HeldBack::no, "", "left-alone"},

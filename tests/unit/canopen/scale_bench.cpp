@@ -142,6 +142,7 @@ NodeSettings ScaleBench::settings_of(std::uint8_t node) const {
   NodeSettings settings;
   settings.node = node;
   settings.gateway_node = kOwnNode;
+  settings.sdo.patience = patience_;
   for (std::uint16_t number = 1; number <= 3; ++number) {
     PdoSettings tpdo;
     tpdo.number = number;

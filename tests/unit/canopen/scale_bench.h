@@ -82,6 +82,8 @@ class ScaleBench {
     [[nodiscard]] bool online() const { return node->status().online && node->status().nmt == NmtState::operational; }
   };
 
+  /// `sdo.patience` of the drives that are added from now on.
+  void set_patience(Duration patience) { patience_ = patience; }
   /// A drive that is off, and its master.
   Member& add(std::uint8_t node);
   /// Moves time on until `done`; false where `limit` passed first.
@@ -122,6 +124,7 @@ class ScaleBench {
   Bus bus_;
   HeartbeatEar ear_;
   std::uint16_t tpdo_event_timer_;
+  Duration patience_{};
   std::vector<std::unique_ptr<Member>> members_;
 };
 

@@ -115,6 +115,9 @@ void ScaleDrive::on_frames(std::span<const Received> frames) {
 
 void ScaleDrive::on_request(const Frame& frame) {
   ++requests_;
+  if (Clock::now() < awake_at_) {
+    return;
+  }
   const ObjectAddress object{static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8U), frame.data[3]};
   const auto found = dictionary_.find(object);
   const TimePoint at = Clock::now() + kAnswerTime;
@@ -128,10 +131,11 @@ void ScaleDrive::on_request(const Frame& frame) {
     answers_.push_back({at, answer_frame(settings_.node, command, frame, entry.value)});
     return;
   }
-  entry.value = 0;
+  std::uint32_t value = 0;
   for (unsigned i = 0; i < entry.size; ++i) {
-    entry.value |= std::uint32_t{frame.data[4 + i]} << (8 * i);
+    value |= std::uint32_t{frame.data[4 + i]} << (8 * i);
   }
+  entry.value = object == kept_ ? entry.value : value;
   if (object == kHeartbeatObject) {
     next_heartbeat_ = entry.value == 0 ? kNever : Clock::now() + heartbeat_period();
   }

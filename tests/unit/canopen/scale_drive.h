@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "canopen/bus/link.h"
@@ -24,6 +25,10 @@ class ScaleDrive final : public LinkEvents {
   void switch_on();
   /// All of it as wanted, and operational since long ago.
   void run();
+  /// Writes to it are confirmed and change nothing.
+  void keep(ObjectAddress object) { kept_ = object; }
+  /// Its SDO server sleeps until then.
+  void sleep_until(TimePoint time) { awake_at_ = time; }
   [[nodiscard]] TimePoint next_action() const noexcept;
   void act();
   [[nodiscard]] NmtState state() const noexcept { return state_; }
@@ -60,6 +65,8 @@ class ScaleDrive final : public LinkEvents {
   bool on_ = false;
   NmtState state_ = NmtState::pre_operational;
   std::map<ObjectAddress, Entry> dictionary_;
+  std::optional<ObjectAddress> kept_;
+  TimePoint awake_at_{};
   std::deque<Answer> answers_;
   TimePoint next_heartbeat_ = kNever;
   TimePoint next_tpdos_ = kNever;

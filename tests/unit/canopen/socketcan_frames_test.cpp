@@ -77,6 +77,12 @@ TEST(ErrorFrames, OfSomethingElseChangeNothing) {
   EXPECT_EQ(after_error_frame(passive, error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, 0, 0)), passive);
 }
 
+TEST(ErrorFrames, AMissingAcknowledgementIsToldApart) {
+  EXPECT_TRUE(tells_no_acknowledge(error_frame(CAN_ERR_ACK, 0, 0, 0)));
+  EXPECT_TRUE(tells_no_acknowledge(error_frame(CAN_ERR_ACK | CAN_ERR_PROT | CAN_ERR_BUSERROR, 0, 0, 0)));
+  EXPECT_FALSE(tells_no_acknowledge(error_frame(CAN_ERR_PROT | CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE, 128, 0)));
+}
+
 TEST(ErrorFrames, AnOverrunIsToldApart) {
   EXPECT_TRUE(tells_overrun(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, 0, 0)));
   EXPECT_FALSE(tells_overrun(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_OVERFLOW, 0, 0)));

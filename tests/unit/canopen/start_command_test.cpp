@@ -122,7 +122,8 @@ TEST_F(StartCommandTest, ADriveThatRefusesToStartSaysWhy) {
   slave_.boot_up();
   loop_.advance(2500ms);
   EXPECT_EQ(status().boot_result, BootResult::not_configured);
-  EXPECT_NE(status().boot_text.find("error register 0x1001 is 0x21, its newest error 0x1003:01 0x00002310"),
+  EXPECT_NE(status().boot_text.find("error register 0x1001 is 0x21 (generic error, device profile); its newest errors: "
+                                    "0x1003:01 is 0x00002310"),
             std::string::npos)
       << status().boot_text;
 }

@@ -91,7 +91,8 @@ TEST_F(PlantTest, BusStateAndAlarm) {
   plant_->set_bus_state(0, {BusCondition::bus_off, 255, 0});
   EXPECT_EQ(plant_->bus_alarm(0).severity, config::Severity::fault);
   EXPECT_EQ(plant_->bus_alarm(0).id, id);
-  EXPECT_EQ(plant_->bus_alarm(0).text, "bus-off: the controller has left the bus");
+  EXPECT_TRUE(plant_->bus_alarm(0).text.starts_with("bus-off: the controller has left the bus. What to do first: "))
+      << plant_->bus_alarm(0).text;
   plant_->set_bus_state(0, {BusCondition::error_active, 0, 0});
   EXPECT_FALSE(plant_->bus_alarm(0).active);
   plant_->set_bus_state(0, {BusCondition::down, 0, 0});
