@@ -265,7 +265,7 @@ boost::asio::awaitable<void> RemoteNode::pause_and_look(Life& life) {
     }
     look_at = Clock::now() + kLookAfter;
     const bool looked_at_each_minute = status_.boot_result == BootResult::left_alone && !heard_.by_guarding;
-    if (!looked_at_each_minute && (heard_.by_guarding || !heard_.heartbeat_at)) {  // Nothing comes unasked: is it there?
+    if (!looked_at_each_minute && (heard_.by_guarding || !heard_.heartbeat_at)) {  // Nothing comes unasked.
       const Result<Raw> answer = co_await sdo_.probe(kDeviceType, DataType::u32);
       if (answer.has_error() && answer.error().kind == ErrorKind::timeout && !answer.error().not_sent) {
         co_return;
