@@ -186,20 +186,21 @@ void append_commands(std::vector<Entity>& entities, const config::Drive& drive, 
     if (signal.name == kControl) {
       append_stop(entities, drive, topic, signal, topics);
     }
-    std::vector<Choice> choices = choices_of(signal);
+    const std::vector<Choice> choices = choices_of(signal);
     if (choices.empty()) {
       append_number_entity(entities, signal, topic, topics);
       continue;
     }
-    const auto momentary = std::ranges::stable_partition(choices, [&signal](const Choice& choice) {
-      return !config::is_momentary(signal, static_cast<canopen::Raw>(choice.raw));
-    });
-    for (const Choice& choice : momentary) {
-      append_button(entities, signal, choice, topic, topics);
+    std::vector<Choice> lasting;
+    for (const Choice& choice : choices) {
+      if (config::is_momentary(signal, static_cast<canopen::Raw>(choice.raw))) {
+        append_button(entities, signal, choice, topic, topics);
+      } else {
+        lasting.push_back(choice);
+      }
     }
-    choices.erase(momentary.begin(), momentary.end());
-    if (!choices.empty()) {
-      append_select(entities, signal, choices, topic, topics);
+    if (!lasting.empty()) {
+      append_select(entities, signal, lasting, topic, topics);
     }
   }
 }

@@ -19,13 +19,13 @@ using home_assistant::Discovery;
 using test::contains;
 using test::PlantSite;
 
-constexpr const char* kPump = "homeassistant/device/canopen_line3/pump1/config";
-constexpr const char* kGone = "homeassistant/device/canopen_line3/old/config";
-constexpr const char* kBirth = "homeassistant/status";
-constexpr const char* kFilter = "homeassistant/device/canopen_line3/+/config";
-constexpr const char* kOurs = R"({"availability":[{"topic":"canopen/line3/status"}],"components":{)"
-                              R"("sensor_old":{"platform":"sensor","name":"Old"},)"
-                              R"("sensor_output_frequency":{"platform":"sensor","name":"x"}}})";
+constexpr const char* kPumpConfig = "homeassistant/device/canopen_line3/pump1/config";
+constexpr const char* kGoneConfig = "homeassistant/device/canopen_line3/old/config";
+constexpr const char* kBirthTopic = "homeassistant/status";
+constexpr const char* kConfigFilter = "homeassistant/device/canopen_line3/+/config";
+constexpr const char* kKeptConfig = R"({"availability":[{"topic":"canopen/line3/status"}],"components":{)"
+                                    R"("sensor_old":{"platform":"sensor","name":"Old"},)"
+                                    R"("sensor_output_frequency":{"platform":"sensor","name":"x"}}})";
 
 config::Model model_with(std::string prefix) {
   config::Model model = PlantSite::bridge_model();
@@ -55,20 +55,20 @@ TEST(MqttHomeAssistant, IsToldOfEachDriveAtEveryConnection) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  EXPECT_TRUE(site.broker().on(kPump).empty()) << "what the broker keeps of before is still to come";
+  EXPECT_TRUE(site.broker().on(kPumpConfig).empty()) << "what the broker keeps of before is still to come";
   site.run(Discovery::kPause + 50ms);
-  const Message message = site.broker().newest(kPump);
+  const Message message = site.broker().newest(kPumpConfig);
   EXPECT_TRUE(message.retained);
   EXPECT_EQ(message.expiry, 0U);
   EXPECT_TRUE(contains(message.payload, R"("sensor_output_frequency":{)")) << message.payload;
   EXPECT_TRUE(contains(message.payload, R"("sw_version":"1.2.3")")) << message.payload;
   EXPECT_TRUE(contains(site.retained("info"), R"("home_assistant":"homeassistant")")) << site.retained("info");
   site.run(60s);
-  EXPECT_EQ(site.broker().on(kPump).size(), 1U);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U);
   site.broker().events->on_disconnected("gone");
   site.connect(2);
   site.run(Discovery::kPause + 50ms);
-  EXPECT_EQ(site.broker().on(kPump), (std::vector<std::string>{message.payload, message.payload}));
+  EXPECT_EQ(site.broker().on(kPumpConfig), (std::vector<std::string>{message.payload, message.payload}));
 }
 
 TEST(MqttHomeAssistant, OffIsOff) {
@@ -107,19 +107,19 @@ TEST(MqttHomeAssistant, IsToldAgainWhenItSaysThatItIsThere) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  EXPECT_TRUE(site.broker().subscription(kBirth).watched);
+  EXPECT_TRUE(site.broker().subscription(kBirthTopic).watched);
   site.run(Discovery::kLeast + 2s);
   site.broker().forget();
-  site.receive({.topic = kBirth, .payload = "offline"}, 1s);
-  EXPECT_TRUE(site.broker().on(kPump).empty());
-  site.receive({.topic = kBirth, .payload = "online"}, 100ms);
-  EXPECT_EQ(site.broker().on(kPump).size(), 1U);
+  site.receive({.topic = kBirthTopic, .payload = "offline"}, 1s);
+  EXPECT_TRUE(site.broker().on(kPumpConfig).empty());
+  site.receive({.topic = kBirthTopic, .payload = "online"}, 100ms);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U);
   for (int i = 0; i < 100; ++i) {
-    site.receive({.topic = kBirth, .payload = "online"}, 50ms);
+    site.receive({.topic = kBirthTopic, .payload = "online"}, 50ms);
   }
-  EXPECT_EQ(site.broker().on(kPump).size(), 1U) << "5 s later";
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U) << "5 s later";
   site.run(Discovery::kLeast);
-  EXPECT_EQ(site.broker().on(kPump).size(), 2U);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 2U);
   EXPECT_EQ(site.broker().dropped, 0U);
 }
 
@@ -127,12 +127,12 @@ TEST(MqttHomeAssistant, ADriveThatIsGoneIsRemovedThere) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  EXPECT_TRUE(site.broker().subscription(kFilter).kept);
-  site.receive({.topic = kGone, .payload = kOurs, .retained = true}, 2s);
-  EXPECT_EQ(site.broker().newest(kGone), Message{.topic = kGone});
-  EXPECT_TRUE(contains(site.broker().newest(kPump).payload, R"("name":"pump1")"));
+  EXPECT_TRUE(site.broker().subscription(kConfigFilter).kept);
+  site.receive({.topic = kGoneConfig, .payload = kKeptConfig, .retained = true}, 2s);
+  EXPECT_EQ(site.broker().newest(kGoneConfig), Message{.topic = kGoneConfig});
+  EXPECT_TRUE(contains(site.broker().newest(kPumpConfig).payload, R"("name":"pump1")"));
   ASSERT_FALSE(site.notices().empty());
-  EXPECT_TRUE(contains(site.notices().back(), kGone)) << site.notices().back();
+  EXPECT_TRUE(contains(site.notices().back(), kGoneConfig)) << site.notices().back();
 }
 
 TEST(MqttHomeAssistant, WhatOthersPutThereStays) {
@@ -140,18 +140,18 @@ TEST(MqttHomeAssistant, WhatOthersPutThereStays) {
   site.bring_up_drive();
   site.connect();
   for (const char* payload : {R"({"availability":[{"topic":"canopen/line4/status"}]})", "{", "x", ""}) {
-    site.receive({.topic = kGone, .payload = payload, .retained = true}, 1s);
+    site.receive({.topic = kGoneConfig, .payload = payload, .retained = true}, 1s);
   }
-  site.receive({.topic = kGone, .payload = kOurs}, 1s);
-  EXPECT_TRUE(site.broker().on(kGone).empty()) << "and what is published there now is looked at the next time";
+  site.receive({.topic = kGoneConfig, .payload = kKeptConfig}, 1s);
+  EXPECT_TRUE(site.broker().on(kGoneConfig).empty()) << "and what is published there now is looked at the next time";
 }
 
 TEST(MqttHomeAssistant, AnEntityThatIsGoneIsRemovedWithTheFirstMessage) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 5s);
-  const std::vector<std::string> told = site.broker().on(kPump);
+  site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 5s);
+  const std::vector<std::string> told = site.broker().on(kPumpConfig);
   ASSERT_EQ(told.size(), 1U) << "Home Assistant loses what comes while it is at work on the last one";
   EXPECT_TRUE(contains(told[0], R"("sensor_old":{"platform":"sensor"})")) << told[0];
   EXPECT_TRUE(contains(told[0], R"("sensor_output_frequency":{"platform":"sensor","unique_id")")) << told[0];
@@ -162,27 +162,27 @@ TEST(MqttHomeAssistant, OneThatIsHeardOfLateIsRemovedAllTheSame) {
   site.bring_up_drive();
   site.connect();
   site.run(5s);
-  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 2s);
-  EXPECT_EQ(site.broker().on(kPump).size(), 2U);
-  EXPECT_TRUE(contains(site.broker().newest(kPump).payload, R"("sensor_old":{"platform":"sensor"})"));
+  site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 2s);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 2U);
+  EXPECT_TRUE(contains(site.broker().newest(kPumpConfig).payload, R"("sensor_old":{"platform":"sensor"})"));
 }
 
 TEST(MqttHomeAssistant, SwitchedOffAllOfItIsEmptied) {
   PlantSite site;
   site.bring_up_drive();
   connect_behind(site, R"({"instance":"ffff222233334444","home_assistant":"homeassistant"})");
-  EXPECT_TRUE(is_subscribed(site, kFilter));
-  EXPECT_FALSE(is_subscribed(site, kBirth));
-  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 1s);
-  EXPECT_EQ(site.broker().on(kPump), std::vector<std::string>{""});
+  EXPECT_TRUE(is_subscribed(site, kConfigFilter));
+  EXPECT_FALSE(is_subscribed(site, kBirthTopic));
+  site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 1s);
+  EXPECT_EQ(site.broker().on(kPumpConfig), std::vector<std::string>{""});
 }
 
 TEST(MqttHomeAssistant, BelowAnotherPrefixThanBeforeTheOldOneIsEmptied) {
   PlantSite site(model_with("home"));
   site.bring_up_drive();
   connect_behind(site, R"({"home_assistant":"homeassistant"})");
-  site.receive({.topic = kPump, .payload = kOurs, .retained = true}, 2s);
-  EXPECT_EQ(site.broker().on(kPump), std::vector<std::string>{""});
+  site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 2s);
+  EXPECT_EQ(site.broker().on(kPumpConfig), std::vector<std::string>{""});
   EXPECT_TRUE(contains(site.broker().newest("home/device/canopen_line3/pump1/config").payload, "sensor_nmt"));
 }
 
@@ -203,15 +203,15 @@ TEST(MqttHomeAssistant, WhereAnotherGatewayLivesNothingIsRemoved) {
   site.receive({.topic = "canopen/line3/health",
                 .payload = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})"},
                100ms);
-  site.receive({.topic = kGone, .payload = kOurs, .retained = true}, 5s);
-  EXPECT_TRUE(site.broker().on(kGone).empty());
+  site.receive({.topic = kGoneConfig, .payload = kKeptConfig, .retained = true}, 5s);
+  EXPECT_TRUE(site.broker().on(kGoneConfig).empty());
 }
 
 TEST(MqttHomeAssistant, WhereItMayNotBeReadTheLogSaysWhatIsMissing) {
   PlantSite site(model_with("homeassistant"));
   site.broker().events->on_connected({.id = 1});
   site.loop().settle();
-  site.broker().answer_subscriptions("Not authorized (0x87)", kBirth);
+  site.broker().answer_subscriptions("Not authorized (0x87)", kBirthTopic);
   site.loop().settle();
   EXPECT_TRUE(site.bridge().connected());
   ASSERT_FALSE(site.notices().empty());
