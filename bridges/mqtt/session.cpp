@@ -9,7 +9,7 @@ using canopen::kNever;
 
 void Session::connected(const Connected& connection, canopen::TimePoint now) {
   connection_ = connection.id;
-  place_ = &places_[connection.broker];
+  place_ = &places_[place_of(connection)];
   looked_here_ = !place_->looked;
   entries_.clear();
   if (looked_here_) {
