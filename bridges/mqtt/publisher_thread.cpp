@@ -19,6 +19,7 @@ using namespace std::chrono_literals;
 // A connection that held this long was a good one.
 constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
+constexpr auto kShortGoodbye = 200ms;
 constexpr auto kStallCheck = 1000ms;
 constexpr auto kStallCheckOfSeveral = 500ms;
 constexpr auto kEndCheck = 50ms;
@@ -96,6 +97,13 @@ Line::End Publisher::serve_until_end() {
     wake_.wait_for(lock, has_elsewhere() ? kStallCheckOfSeveral : kStallCheck, [this] { return has_work(); });
     line_.stalled = is_silent();
     if (!line_.is_up() || line_.stalled) {
+      if (line_.stalled && has_elsewhere()) {
+        // What lies in its socket is what it reads when it goes on, Paho's goodbye among it, behind which it says no
+        // will. So that is said before: nobody comes back there soon.
+        lock.unlock();
+        client_->disconnect(kShortGoodbye, true);
+        lock.lock();
+      }
       return line_.end(settings_.client.client_id);
     }
     look_home();
