@@ -133,11 +133,11 @@ struct TlsTrial {
 
 TlsTrial try_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
                  std::chrono::milliseconds patience) {
-  const Clock::time_point end = Clock::now() + patience;
   const Context context = make_context();
   if (!context || !load(*context, files).empty()) {
     return {.mistake = tls_files_mistake(files)};
   }
+  const Clock::time_point end = Clock::now() + patience;  // the system's authorities take a while to read
   const TcpConnection connected = connect_to(addresses, broker.port, end);
   const Handshake session(SSL_new(context.get()), &SSL_free);
   if (connected.descriptor < 0 || !session || !name_host(*session, broker.host) ||

@@ -19,12 +19,12 @@ authority line3
 broker() {
   local name=$1
   shift
-  printf '%s\n' "user root" "allow_anonymous true" "$@" >"$work/$name.conf"
+  printf '%s\n' "$@" "user root" "allow_anonymous true" >"$work/$name.conf"
   launch "$name" mosquitto -c "$work/$name.conf"
 }
 start_first() {
   broker first "per_listener_settings true" "listener 1884 127.0.0.1" "allow_anonymous true" \
-    "listener 8883 127.0.0.1" "allow_anonymous true" "cafile $work/ca.crt" "certfile $work/localhost.crt" \
+    "listener 8883 127.0.0.1" "cafile $work/ca.crt" "certfile $work/localhost.crt" \
     "keyfile $work/localhost.key" "require_certificate true"
   wait_until 10 "the first listens" bash -c 'echo >/dev/tcp/127.0.0.1/8883 && echo >/dev/tcp/127.0.0.1/1884'
 }

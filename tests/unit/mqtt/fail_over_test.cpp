@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdio>
 #include <future>
 #include <map>
 #include <memory>
@@ -72,7 +73,7 @@ class FailOver : public testing::Test {
     }
     model_ = model_of_two_brokers(first_, second_);
     plant_ = std::make_unique<process::Plant>(
-        loop_.executor(), model_, std::vector<process::BusPort>{{&bus_, [this] { return bus_.statistics(); }}});
+        loop_.executor(), model_, std::vector<process::Plant::BusPort>{{&bus_, [this] { return bus_.statistics(); }}});
     bus_state_ = bus_.subscribe_state([this](const canopen::BusState& state) { plant_->set_bus_state(0, state); });
     bridge_ =
         std::make_unique<Bridge>(loop_.executor(), *plant_, *model_.mqtt, model_.gateway, "1.2.3", "00112233aabbccdd",
@@ -80,7 +81,7 @@ class FailOver : public testing::Test {
                                                              [](Level, const std::string&) {}),
                                  [](Level, const std::string&) {});
     network_.open();
-    for (const std::uint8_t node : {1, 2}) {
+    for (const std::uint8_t node : {std::uint8_t{1}, std::uint8_t{2}}) {
       drives_.push_back(simulator::make_drive("veichi-ac310", node, network_));
       drives_.back()->power_on();
     }
