@@ -56,8 +56,8 @@ class Brokers : public test::PublisherFixture {
   /// Of one who is back at the first as soon as it was reachable for a moment.
   static PublisherSettings homesick(const std::vector<std::uint16_t>& ports) {
     PublisherSettings made = of(ports);
-    made.return_after = 500ms;
-    made.look_interval = 100ms;
+    made.return_after = 1500ms;
+    made.look_interval = 1s;
     return made;
   }
   [[nodiscard]] bool is_in_use(std::uint16_t port, std::chrono::milliseconds limit = kFailOver) {
