@@ -229,7 +229,7 @@ enum class MqttVersion : std::uint8_t { automatic, v5, v3_1_1 };
 }
 
 struct Mqtt {
-  std::vector<Endpoint> brokers{{"127.0.0.1", 1883}};  ///< Exactly one in this version.
+  std::vector<Endpoint> brokers{{"127.0.0.1", 1883}};  ///< In the order in which they are tried.
   MqttVersion version = MqttVersion::automatic;
   std::string client_id;  ///< Empty: `canopen-gateway-` and the gateway's name.
   std::string base = "canopen";

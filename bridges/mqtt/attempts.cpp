@@ -62,11 +62,13 @@ int Attempts::first_version() const noexcept {
   return fixed_version_ != 0 ? fixed_version_ : kMqtt5;
 }
 
+bool Attempts::is_undecided(const std::string& address) const {
+  const auto closes = closes_.find(address);
+  return fixed_version_ == 0 && closes != closes_.end() && closes->second < kCloses;
+}
+
 std::optional<int> Attempts::next_version(const std::string& address, int version,
                                           const std::optional<Refusal>& refusal) {
-  if (!refusal) {
-    addresses_.clear();  // the next connection asks anew
-  }
   const bool closed = refusal && refusal->closed;
   if (version != kMqtt5) {
     if (closed) {
@@ -80,14 +82,6 @@ std::optional<int> Attempts::next_version(const std::string& address, int versio
   }
   const bool older = closes >= kCloses || (refusal && refuses_version(refusal->code));
   return older && fixed_version_ == 0 ? std::optional(kMqtt311) : std::nullopt;
-}
-
-Attempts::Milliseconds Attempts::next_pause() {
-  constexpr unsigned kMaxStep = 20;
-  const Milliseconds whole = std::min(Milliseconds(first_ * (1LL << step_)), longest_);
-  step_ = std::min(step_ + 1, kMaxStep);
-  std::uniform_int_distribution<Milliseconds::rep> shorten(0, whole.count() / 2);
-  return whole - Milliseconds(shorten(random_));
 }
 
 }  // namespace mqtt

@@ -76,6 +76,12 @@ boost::asio::awaitable<void> Bridge::stop() {
     ended_.expires_at(kNever);
     co_await ended_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
   }
+  co_await broker_->stop(last_words());
+  session_.lost();
+  follow_session();
+}
+
+std::vector<Message> Bridge::last_words() {
   std::vector<Message> last = std::exchange(batch_, {});
   if (session_.ready()) {
     alarms_.collect_last(last);
@@ -84,9 +90,7 @@ boost::asio::awaitable<void> Bridge::stop() {
     feed.collect_last(last);
   }
   last.push_back(status_.offline());
-  co_await broker_->stop(std::move(last));
-  session_.lost();
-  follow_session();
+  return last;
 }
 
 void Bridge::on_values(const process::Drive& drive, std::span<const process::SignalId> signals) {
@@ -158,6 +162,9 @@ canopen::TimePoint Bridge::turn() {
   session_.tick(now);
   other_.tick(now);
   follow_session();
+  if (may_leave_ && session_.ready() && requests_.is_idle()) {
+    leave();
+  }
   if (session_.ready()) {
     collect(now);
   } else {
@@ -223,6 +230,13 @@ void Bridge::follow_session() {
   if (connected_change_) {
     connected_change_(was_connected_);
   }
+}
+
+void Bridge::leave() {
+  may_leave_ = false;
+  broker_->leave(session_.connection(), last_words());
+  session_.lost();
+  follow_session();
 }
 
 void Bridge::wake(canopen::TimePoint at) {

@@ -75,6 +75,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_connected(const Connected& connection) override;
   void on_taken_over() override;
   void on_no_connection(const std::string& why) override { last_break_ = why; }
+  void on_may_leave(ConnectionId connection) override;
   void on_disconnected(const std::string& why) override;
   void on_subscribed(const Subscribed& subscribed) override;
   void on_unsubscribed(const std::string& filter) override;
@@ -93,6 +94,10 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void looked_at(const Incoming& message);
   /// A message that is not on our tree.
   void elsewhere(const Incoming& message);
+  /// What an orderly end says, behind all that waits here.
+  [[nodiscard]] std::vector<Message> last_words();
+  /// The broker, for the first one.
+  void leave();
   /// Somebody published on the topic of a status.
   void status_received(const Incoming& message, const Route& route);
   void health_may_differ();
@@ -122,6 +127,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   std::optional<Connected> connection_;
   std::string last_break_;  ///< Why the last connection ended, or none came about since.
   bool was_connected_ = false;
+  bool may_leave_ = false;  ///< This broker, as soon as no command is under way.
 
   boost::asio::any_io_executor executor_;
   canopen::Timer timer_;

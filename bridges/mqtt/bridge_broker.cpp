@@ -12,8 +12,11 @@ void Bridge::on_connected(const Connected& connection) {
     return;  // the last words are said
   }
   connection_ = connection;
+  may_leave_ = false;
+  const std::string place = place_of(connection);
   session_.connected(connection, canopen::Clock::now());
-  other_.connected(connection.broker);
+  leftovers_.connected(place);
+  other_.connected(place);
   wake(session_.deadline());
 }
 
@@ -21,8 +24,16 @@ void Bridge::on_taken_over() {
   other_.took_over(canopen::Clock::now());
 }
 
+void Bridge::on_may_leave(ConnectionId connection) {
+  if (connection_ && connection == connection_->id && !stopping_) {
+    may_leave_ = true;
+    wake(canopen::Clock::now());
+  }
+}
+
 void Bridge::on_disconnected(const std::string& why) {
   connection_.reset();
+  may_leave_ = false;
   last_break_ = why;
   session_.lost();
   other_.lost();

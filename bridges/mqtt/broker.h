@@ -19,7 +19,14 @@ struct Connected {
   ConnectionId id = 0;
   int version = 5;       ///< 5, or 4 for MQTT 3.1.1.
   std::string broker{};  ///< `HOST:PORT` as configured.
+  /// Of the several that its name may stand for, which may be brokers of their own; empty: the system took one.
+  std::string address{};
 };
+
+/// Names the place that a connection leads to.
+[[nodiscard]] inline std::string place_of(const Connected& connection) {
+  return connection.address.empty() ? connection.broker : connection.broker + " " + connection.address;
+}
 
 /// What the broker said to one subscription.
 struct Subscribed {
@@ -57,6 +64,9 @@ class BrokerEvents {
   virtual void on_taken_over() {}
   /// None came about, for a reason that somebody has to mend: what, and how.
   virtual void on_no_connection(const std::string& /*why*/) {}
+  /// The connection, to another broker than the first, is to be ended by leave() at the next good moment: the first one
+  /// can be reached again.
+  virtual void on_may_leave(ConnectionId /*connection*/) {}
   /// `why` in words, with what the broker said by name.
   virtual void on_disconnected(const std::string& why) = 0;
   /// The answer to one of the subscriptions of subscribe(). None comes where the connection goes first.
@@ -90,6 +100,9 @@ class Broker {
   /// Ends the connection from this side: the will is published, for nobody is there until the next one, and the broker
   /// is told. on_disconnected(why) follows, and the next attempt after its pause.
   virtual void drop(ConnectionId connection, std::string why) = 0;
+  /// Publishes what is left and then `last`, disconnects, and goes to the first broker. on_disconnected() follows.
+  /// Answers that come meanwhile leave, here or there.
+  virtual void leave(ConnectionId connection, std::vector<Message> last) = 0;
   /// Another client may have our client id: the attempt after this connection waits as after a take-over.
   virtual void suspect_takeover(ConnectionId connection) = 0;
   [[nodiscard]] virtual BrokerCounts counts() const = 0;

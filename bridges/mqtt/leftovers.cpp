@@ -80,12 +80,18 @@ Leftovers::Leftovers(const config::Model& model, const config::Mqtt& settings, c
   }
 }
 
+void Leftovers::connected(const std::string& place) {
+  here_ = &places_[place];
+  announced_.reset();
+  due_ = canopen::kNever;
+}
+
 void Leftovers::heard(const Incoming& message) {
   if (!message.retained || message.payload.empty()) {
     return;
   }
   if (message.topic == topics_.status()) {
-    in_use_ = message.payload == "online";
+    here_->in_use = message.payload == "online";
     return;
   }
   const auto form = form_of(topics_.below_root(message.topic));
@@ -95,34 +101,35 @@ void Leftovers::heard(const Incoming& message) {
   if (form->of_a_drive) {
     drives_.emplace(form->drive);
   }
-  if (!published_.contains(message.topic) && kept_.size() < kMost) {
-    kept_.emplace(message.topic, form->drive);
+  if (!published_.contains(message.topic) && here_->kept.size() < kMost) {
+    here_->kept.emplace(message.topic, form->drive);
   }
 }
 
 void Leftovers::announced(canopen::TimePoint now) {
-  std::erase_if(kept_, [this](const auto& each) { return !each.second.empty() && !drives_.contains(each.second); });
+  std::erase_if(here_->kept,
+                [this](const auto& each) { return !each.second.empty() && !drives_.contains(each.second); });
   announced_ = now;
-  if (!kept_.empty()) {
-    due_ = in_use_ ? now + patience_ : now;
+  if (!here_->kept.empty()) {
+    due_ = here_->in_use ? now + patience_ : now;
   }
 }
 
 void Leftovers::found(const std::string& topic, canopen::TimePoint now) {
-  if (kept_.size() < kMost) {
-    kept_.emplace(topic, std::string());
+  if (here_->kept.size() < kMost) {
+    here_->kept.emplace(topic, std::string());
   }
   if (announced_) {
-    due_ = std::min(due_, in_use_ ? std::max(now, *announced_ + patience_) : now);
+    due_ = std::min(due_, here_->in_use ? std::max(now, *announced_ + patience_) : now);
   }
 }
 
 void Leftovers::collect(bool another_lives, canopen::TimePoint now, std::vector<Message>& out, const Notice& notice) {
-  if (kept_.empty() || (now < due_ && !another_lives)) {
+  if (here_->kept.empty() || (now < due_ && !another_lives)) {
     return;
   }
   due_ = canopen::kNever;
-  const auto found = std::exchange(kept_, {});
+  const auto found = std::exchange(here_->kept, {});
   if (another_lives) {
     notice(Level::warning, "MQTT: " + std::to_string(found.size()) +
                                " topics that this gateway does not publish are left as they are, because another "

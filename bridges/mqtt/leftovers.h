@@ -28,6 +28,8 @@ class Leftovers {
   /// `topics` outlives it.
   Leftovers(const config::Model& model, const config::Mqtt& settings, const Topics& topics);
 
+  /// A new connection, to this place_of(): what was found at another broker waits for the next one to that.
+  void connected(const std::string& place);
   /// A message of Topics::tree_subscription(); those that the broker did not keep are ignored.
   void heard(const Incoming& message);
   /// A topic of ours outside of the tree, kept by the broker and not published.
@@ -45,10 +47,15 @@ class Leftovers {
   canopen::Duration patience_;
   std::set<std::string, std::less<>> published_;  ///< All that we publish retained of drives and buses.
   std::set<std::string, std::less<>> drives_;     ///< Names that are drives, or were: they have a status or alarms.
-  std::map<std::string, std::string> kept_;       ///< Of our forms, and not published: the drive; empty: no drive's.
-  bool in_use_ = false;  ///< `B/status` is kept as `online`: our last life ended without a word, or another one lives.
+  /// What a broker keeps.
+  struct Found {
+    std::map<std::string, std::string> kept{};  ///< Of our forms, and not published: the drive; empty: no drive's.
+    bool in_use = false;  ///< `B/status` is kept as `online`: our last life ended without a word, or another one lives.
+  };
+  std::map<std::string, Found> places_;  ///< By place.
+  Found* here_ = &places_[{}];           ///< Of this connection.
   canopen::TimePoint due_ = canopen::kNever;
-  std::optional<canopen::TimePoint> announced_;  ///< When; on this connection or the last one.
+  std::optional<canopen::TimePoint> announced_;  ///< When, on this connection.
 };
 
 }  // namespace mqtt

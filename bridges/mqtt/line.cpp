@@ -57,13 +57,17 @@ bool Line::is_watched(std::string_view topic) const {
 }
 
 Line::End Line::end(const std::string& client_id) const {
+  if (leave_by) {
+    return {.why = "left, for the first broker can be reached again", .left = true};
+  }
   if (stalled) {
-    return {.why = "the broker acknowledges nothing any more"};
+    return {.why = "the broker acknowledges nothing any more", .silent = true};
   }
   if (down_code < 0) {
     return {.why = drop.value_or("the connection broke"),
             .stays = suspects_takeover,
-            .unexplained = state == State::down && !drop};
+            .unexplained = state == State::down && !drop,
+            .dropped = drop.has_value()};
   }
   std::string why = "the broker ended the connection: " + reason_text(down_code);
   if (is_takeover(down_code)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ struct Line {
     std::string why;
     bool stays = false;        ///< Trying again at once is of no use.
     bool unexplained = false;  ///< What was under way may be the reason.
+    bool silent = false;       ///< The broker said nothing any more.
+    bool dropped = false;      ///< From this side, for something that the broker does or does not do.
+    bool left = false;         ///< For the sake of another broker.
   };
 
   ConnectionId connection = 0;
@@ -33,6 +37,9 @@ struct Line {
   bool suspects_takeover = false;  ///< Of the client id, by another client.
   bool stalled = false;
   std::optional<std::string> drop{};  ///< It is to be ended from this side: why.
+  bool asked_to_leave = false;        ///< The loop knows that it may be left for the first broker.
+  /// It is being left: when the last words are given up.
+  std::optional<std::chrono::steady_clock::time_point> leave_by{};
   std::vector<Order> orders{};
   std::vector<std::string> watched{};  ///< Filters.
 

@@ -24,6 +24,7 @@ class OtherGateway {
   OtherGateway(std::string instance, const config::Mqtt& settings, Notice notice, std::function<void()> change)
       : instance_(std::move(instance)), settings_(settings), notice_(std::move(notice)), change_(std::move(change)) {}
 
+  /// `broker`: place_of() it.
   void connected(const std::string& broker);
   /// What it publishes is heard from now on.
   void listening(canopen::TimePoint now);

@@ -12,13 +12,19 @@ namespace mqtt {
 
 Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings settings, Notice notice)
     : settings_(std::move(settings)),
-      broker_(uri_host(settings_.broker.host) + ":" + std::to_string(settings_.broker.port)),
       notice_(std::move(notice)),
       loop_(std::make_shared<LoopPost>(
           executor, [this](Incoming&& message) { events_->on_message(std::move(message)); }, notice_)),
       traffic_(settings_.client.qos, [this](Level level, std::string text) { say(level, std::move(text)); }),
-      attempts_(settings_.version, settings_.first_pause, settings_.longest_pause, std::random_device{}()),
-      ended_timer_(executor) {}
+      rotation_(settings_.brokers.size(),
+                {settings_.first_pause, settings_.longest_pause, settings_.pause_after_refusal},
+                std::random_device{}()),
+      homecoming_(settings_.return_after, settings_.look_interval),
+      ended_timer_(executor) {
+  for (const config::Endpoint& broker : settings_.brokers) {
+    candidates_.emplace_back(broker, settings_.version);
+  }
+}
 
 Publisher::~Publisher() {
   loop_->close();
@@ -72,6 +78,15 @@ void Publisher::drop(ConnectionId connection, std::string why) {
   const Guard lock(mutex_);
   if (connection == line_.connection && line_.is_up() && !finishing_) {
     line_.drop = std::move(why);
+  }
+  wake_.notify_one();
+}
+
+void Publisher::leave(ConnectionId connection, std::vector<Message> last) {
+  const Guard lock(mutex_);
+  if (connection == line_.connection && line_.is_up() && !line_.leave_by && !finishing_) {
+    traffic_.push(std::move(last), Clock::now());
+    line_.leave_by = Clock::now() + settings_.farewell;
   }
   wake_.notify_one();
 }
@@ -135,6 +150,7 @@ void Publisher::on_down(int code) noexcept {
 
 void Publisher::on_incoming(Incoming&& message) noexcept {
   const Guard lock(mutex_);
+  pulse_.heard(Clock::now());
   if (line_.is_watched(message.topic)) {
     loop_->post_watched(std::move(message));
   } else {
@@ -145,18 +161,26 @@ void Publisher::on_incoming(Incoming&& message) noexcept {
 void Publisher::on_sent(const Message* message, Delivery delivery, int code) noexcept {
   Lock lock(mutex_);
   traffic_.acknowledged(message, delivery, code, Clock::now());
+  if (delivery != Delivery::failed) {
+    pulse_.heard(Clock::now());
+  }
   wake_if_needed(std::move(lock));
 }
 
 void Publisher::on_subscribed(Subscribed&& subscribed) noexcept {
   const Guard lock(mutex_);
+  pulse_.heard(Clock::now());
   if (line_.is_up()) {  // else it failed because the connection went
     loop_->post([this, answer = std::move(subscribed)] { events_->on_subscribed(answer); });
   }
 }
 
 void Publisher::on_unsubscribed(const std::string& filter) noexcept {
-  loop_->post([this, filter] { events_->on_unsubscribed(filter); });
+  const Guard lock(mutex_);
+  pulse_.heard(Clock::now());
+  if (filter != settings_.pulse_filter) {
+    loop_->post([this, filter] { events_->on_unsubscribed(filter); });
+  }
 }
 
 void Publisher::say(Level level, std::string text) {
@@ -165,7 +189,7 @@ void Publisher::say(Level level, std::string text) {
 
 PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gateway& gateway) {
   PublisherSettings settings;
-  settings.broker = mqtt.brokers.front();
+  settings.brokers = mqtt.brokers;
   if (mqtt.version != config::MqttVersion::automatic) {
     settings.version = mqtt.version == config::MqttVersion::v5 ? 5 : 4;
   }
@@ -175,6 +199,7 @@ PublisherSettings publisher_settings(const config::Mqtt& mqtt, const config::Gat
   settings.client.tls = {.ca = mqtt.ca_file, .cert = mqtt.cert_file, .key = mqtt.key_file};
   settings.client.will_topic = status_topic(mqtt.base, gateway.name);
   settings.client.will_payload = "offline";
+  settings.pulse_filter = settings.client.will_topic + "/alive";
   settings.client.qos = mqtt.qos;
   return settings;
 }

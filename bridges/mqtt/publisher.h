@@ -11,13 +11,16 @@
 #include <thread>
 #include <vector>
 
-#include "bridges/mqtt/attempts.h"
 #include "bridges/mqtt/broker.h"
+#include "bridges/mqtt/candidate.h"
 #include "bridges/mqtt/client.h"
 #include "bridges/mqtt/event_gate.h"
+#include "bridges/mqtt/homecoming.h"
 #include "bridges/mqtt/line.h"
 #include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
+#include "bridges/mqtt/pulse.h"
+#include "bridges/mqtt/rotation.h"
 #include "bridges/mqtt/traffic.h"
 #include "canopen/clock.h"
 #include "config/model.h"
@@ -26,13 +29,17 @@ namespace mqtt {
 
 /// How the publisher behaves; the defaults are for real plants.
 struct PublisherSettings {
-  config::Endpoint broker;
-  ClientSettings client;        ///< Its uri, version and password are filled in per attempt.
-  std::string password_file{};  ///< Path; its first line, read at each attempt. Empty: no password.
-  int version = 0;              ///< 5 or 4 (MQTT 3.1.1) only; 0: 5, and 3.1.1 with brokers that do not speak it.
+  std::vector<config::Endpoint> brokers;  ///< In the order in which they are tried; at least one.
+  ClientSettings client;                  ///< Its uri, version and password are filled in per attempt.
+  std::string password_file{};            ///< Path; its first line, read at each attempt. Empty: no password.
+  std::string
+      pulse_filter{};  ///< Nobody ever subscribes to it: to end that subscription asks whether the broker lives.
+  int version = 0;     ///< 5 or 4 (MQTT 3.1.1) only; 0: 5, and 3.1.1 with brokers that do not speak it.
   std::chrono::milliseconds first_pause{1000};
   std::chrono::milliseconds longest_pause{5000};
   std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
+  std::chrono::milliseconds return_after{600000};        ///< Reachable for so long, the first broker is tried again.
+  std::chrono::milliseconds look_interval{30000};        ///< So often it is looked for.
   std::chrono::milliseconds farewell{2000};              ///< For the last messages at the end.
   std::chrono::milliseconds resolve_patience{300000};    ///< A publisher that resolves longer stands still.
   /// alive(): longest time of the thread without a sign of life; longer than the second in which it gives one.
@@ -60,6 +67,7 @@ class Publisher final : public Broker, private ClientEvents {
   void publish(std::vector<Message> batch) override;
   void open(ConnectionId connection) override;
   void drop(ConnectionId connection, std::string why) override;
+  void leave(ConnectionId connection, std::vector<Message> last) override;
   void suspect_takeover(ConnectionId connection) override;
   [[nodiscard]] BrokerCounts counts() const override;
   [[nodiscard]] bool alive() const override;
@@ -82,19 +90,43 @@ class Publisher final : public Broker, private ClientEvents {
   void on_subscribed(Subscribed&& subscribed) noexcept override;
   void on_unsubscribed(const std::string& filter) noexcept override;
 
-  // The thread's work.
-  void run();
-  Line::End attempt();
-  [[nodiscard]] std::vector<std::string> addresses();
+  /// How the turn of a broker ended.
+  struct Turn {
+    Line::End end;
+    bool stood = false;    ///< There was a connection.
+    bool held = false;     ///< For long enough to be a good one.
+    bool to_mend = false;  ///< There was none for a reason that is to be told.
+  };
+
+  // The thread's work: connections, in publisher_connect.cpp.
+  [[nodiscard]] Turn take_turn();
+  [[nodiscard]] Turn attempt(const std::string& address);
+  void find_addresses();
+  void tell_connected(const std::string& address, int version);
   std::optional<Refusal> connect(const std::string& address, int version);
+  [[nodiscard]] std::chrono::milliseconds connect_patience();
   [[nodiscard]] std::optional<Refusal> await_connection(std::chrono::milliseconds patience, int version);
   [[nodiscard]] std::string mistake_of_tls();
-  Line::End serve();
+  [[nodiscard]] Candidate& candidate() { return candidates_[rotation_.at()]; }
+  [[nodiscard]] bool is_one_of_several() const { return candidates_.size() > 1; }
+  [[nodiscard]] bool is_finishing() const;
+  /// Where this broker, or this address of it, is none, there is another one.
+  [[nodiscard]] bool has_elsewhere() { return is_one_of_several() || candidate().attempts.addresses() > 1; }
+
+  // What it does with them, and between them.
+  void run();
+  Turn serve();
+  [[nodiscard]] Line::End serve_until_end();
+  [[nodiscard]] bool is_silent();
+  void look_home();
   [[nodiscard]] bool carry_out(Lock& lock);
   [[nodiscard]] bool send(Lock& lock);
   void drop_client();
+  [[nodiscard]] std::chrono::milliseconds turn_to_next(const Turn& turn);
   [[nodiscard]] bool pause(std::chrono::milliseconds duration);
-  void say_failure(const Line::End& end, std::chrono::milliseconds pause);
+  void say_end(Candidate& ended, const Turn& turn, std::chrono::milliseconds pause);
+  /// With the name of the broker, where there are several.
+  [[nodiscard]] std::string named(const Candidate& which, const std::string& why) const;
 
   // With the lock held.
   void expect_sign_of_life(std::chrono::milliseconds allowance) { silent_from_ = Clock::now() + allowance; }
@@ -105,7 +137,6 @@ class Publisher final : public Broker, private ClientEvents {
   void say(Level level, std::string text);
 
   const PublisherSettings settings_;
-  const std::string broker_;  ///< `HOST:PORT`.
   const Notice notice_;
   BrokerEvents* events_ = nullptr;
   const std::shared_ptr<LoopPost> loop_;
@@ -113,6 +144,7 @@ class Publisher final : public Broker, private ClientEvents {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Line line_;
+  Pulse pulse_;
   mutable Traffic traffic_;                                   ///< What waited for too long goes when it is looked at.
   Clock::time_point silent_from_ = Clock::time_point::max();  ///< Alive until then.
   bool finishing_ = false;
@@ -122,9 +154,11 @@ class Publisher final : public Broker, private ClientEvents {
   // The thread's own, without the lock.
   std::unique_ptr<EventGate> gate_;  ///< Of the client.
   std::unique_ptr<Client> client_;
-  Attempts attempts_;
-  std::vector<std::string> resolved_;  ///< Addresses of the broker, numeric.
-  std::string last_failure_;
+  std::vector<Candidate> candidates_;
+  Rotation rotation_;
+  Homecoming homecoming_;
+  Errand<bool> look_;       ///< For the first broker, from another one.
+  std::string last_place_;  ///< Broker and address of the last connection.
 
   // The loop's own.
   std::thread thread_;

@@ -1,15 +1,14 @@
-// What the publisher's thread does: attempt, serve the connection, pause.
+// What the publisher's thread does: give each broker its turn, serve the connection, pause.
 
 #include <pthread.h>
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 #include <future>
-#include <system_error>
 #include <utility>
 
 #include "bridges/mqtt/publisher.h"
+#include "bridges/mqtt/reach.h"
 #include "bridges/mqtt/reasons.h"
 
 namespace mqtt {
@@ -20,13 +19,15 @@ using namespace std::chrono_literals;
 // A connection that held this long was a good one.
 constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
-constexpr auto kStallCheck = 1s;
+constexpr auto kShortGoodbye = 200ms;
+constexpr auto kStallCheck = 1000ms;
+constexpr auto kStallCheckOfSeveral = 500ms;
 constexpr auto kEndCheck = 50ms;
 // After the farewell; both together are shorter than kStopLimit.
 constexpr auto kLetGo = 1s;
 constexpr auto kForEver = 24h * 3650;
-// After an attempt that took as long as connect_timeout: the cause is told within 10 s.
-constexpr auto kTlsPatience = 3s;
+// For the first broker, when it is looked for from another one.
+constexpr auto kLookPatience = 3s;
 
 // Signals are the daemon's main thread's; Paho's threads inherit this.
 void block_signals() {
@@ -35,24 +36,16 @@ void block_signals() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
-// Nothing: it cannot be read, or is empty.
-std::optional<std::string> first_line(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  line.resize(std::min(line.find('\r'), line.size()));
-  return line.empty() ? std::nullopt : std::optional(std::move(line));
-}
-
 }  // namespace
 
 void Publisher::run() {
   block_signals();
   for (bool goes_on = true; goes_on;) {
-    const Line::End end = attempt();
+    const Turn turn = take_turn();
     drop_client();
-    const auto duration = end.stays ? settings_.pause_after_refusal : attempts_.next_pause();
-    say_failure(end, duration);
+    Candidate& ended = candidate();
+    const auto duration = turn_to_next(turn);
+    say_end(ended, turn, duration);
     goes_on = pause(duration);
   }
   {
@@ -65,153 +58,94 @@ void Publisher::run() {
   });
 }
 
-Line::End Publisher::attempt() {
-  if (attempts_.wants_addresses()) {
-    resolved_ = addresses();
-    // With TLS Paho gets the name, which the certificate must be for, and takes the address that the system gives.
-    const bool named = settings_.broker.tls && !resolved_.empty();
-    attempts_.found(named ? std::vector<std::string>{settings_.broker.host} : resolved_);
+std::chrono::milliseconds Publisher::turn_to_next(const Turn& turn) {
+  using Outcome = Rotation::Outcome;
+  const auto now = Clock::now();
+  Outcome outcome = turn.end.stays ? Outcome::refused : Outcome::none;
+  if (turn.stood) {
+    const bool silent = turn.end.silent || (turn.end.dropped && turn.held);
+    outcome = turn.held ? Outcome::broke : Outcome::brief;
+    outcome = silent ? Outcome::silent : outcome;
+    outcome = turn.end.stays ? Outcome::taken_over : outcome;
+    outcome = turn.end.left ? Outcome::left : outcome;
   }
-  const std::string address = attempts_.next_address();
-  if (address.empty()) {
-    return {"the name " + settings_.broker.host + " has no address"};
+  if (rotation_.at() == 0) {
+    homecoming_.looked(false, now);
   }
-  for (std::optional<int> version = attempts_.first_version(); version;) {
-    const std::optional<Refusal> refusal = connect(address, *version);
-    if (!refusal) {
-      say(Level::info, "MQTT: connected to " + broker_ + (*version == 5 ? ", MQTT 5" : ", MQTT 3.1.1") +
-                           (settings_.broker.tls ? ", TLS" : ""));
-      loop_->post([this, connected = Connected{.id = line_.connection, .version = *version, .broker = broker_}] {
-        events_->on_connected(connected);
-      });
-    }
-    version = attempts_.next_version(address, *version, refusal);
-    if (!refusal) {
-      const auto begun = Clock::now();
-      Line::End end = serve();
-      if (Clock::now() - begun > kGoodConnection) {
-        attempts_.held();
-        last_failure_.clear();
-      }
-      return end;
-    }
-    if (!version && !refusal->why.empty()) {
-      const TlsFiles& tls = settings_.client.tls;
-      const std::string told = without_paths(refusal->why, {settings_.password_file, tls.ca, tls.cert, tls.key});
-      loop_->post([this, why = told] { events_->on_no_connection(why); });
-    }
-    if (!version) {
-      return {text_of(*refusal), refuses_credentials(refusal->code)};
-    }
-    drop_client();
+  if (turn.stood && outcome != Outcome::silent) {
+    candidate().attempts.restart();
   }
-  return {};
+  return rotation_.next(outcome, now);
 }
 
-// In a thread of its own, which owns all it uses: one that hangs is left to itself.
-std::vector<std::string> Publisher::addresses() {
-  {
-    const Guard lock(mutex_);
-    expect_sign_of_life(settings_.resolve_patience);
+Publisher::Turn Publisher::serve() {
+  const auto begun = Clock::now();
+  Turn turn{.end = serve_until_end(), .stood = true};
+  turn.held = Clock::now() - begun > kGoodConnection;
+  if (turn.held) {
+    candidate().said.clear();
   }
-  std::packaged_task<std::vector<std::string>()> task(
-      [resolver = settings_.resolver, broker = settings_.broker] { return resolver(broker); });
-  auto found = task.get_future();
-  try {
-    std::thread(std::move(task)).detach();
-  } catch (const std::system_error&) {
-    return {};  // none is to be had: tried again
-  }
-  while (found.wait_for(kEndCheck) != std::future_status::ready) {
-    const Guard lock(mutex_);
-    if (finishing_) {
-      return {};
-    }
-  }
-  return found.get();
+  return turn;
 }
 
-std::optional<Refusal> Publisher::connect(const std::string& address, int version) {
-  {
-    const Guard lock(mutex_);
-    if (finishing_) {
-      return Refusal{};
-    }
-    // Paho may look up a name itself, and holds up whatever else is asked of it then.
-    expect_sign_of_life(settings_.broker.tls ? settings_.resolve_patience : settings_.silence);
-    line_.begin();
-  }
-  ClientSettings settings = settings_.client;
-  if (!settings_.password_file.empty()) {
-    std::optional<std::string> password = first_line(settings_.password_file);
-    if (!password) {
-      return Refusal{.why = "password_file " + settings_.password_file +
-                            " cannot be read, or begins with an empty line; give it a first line, readable for the "
-                            "gateway's user"};
-    }
-    settings.password = std::move(*password);
-  }
-  std::string mistake = settings_.broker.tls ? tls_files_mistake(settings.tls) : std::string();
-  if (!mistake.empty()) {
-    return Refusal{.why = std::move(mistake)};
-  }
-  settings.uri =
-      (settings_.broker.tls ? "ssl://" : "tcp://") + uri_host(address) + ":" + std::to_string(settings_.broker.port);
-  settings.version = version;
-  gate_ = std::make_unique<EventGate>(static_cast<ClientEvents&>(*this));
-  client_ = std::make_unique<Client>(settings, *gate_);
-  if (!client_->connect()) {
-    return Refusal{};
-  }
-  std::optional<Refusal> refusal = await_connection(settings.connect_timeout + 2s, version);
-  if (refusal && refusal->code < 0 && settings_.broker.tls) {
-    if (std::string why = mistake_of_tls(); !why.empty()) {
-      return Refusal{.why = std::move(why)};
-    }
-  }
-  return refusal;
-}
-
-std::optional<Refusal> Publisher::await_connection(std::chrono::milliseconds patience, int version) {
-  Lock lock(mutex_);
-  wake_.wait_for(lock, patience, [this] { return line_.state != Line::State::connecting || finishing_; });
-  if (!line_.stood()) {
-    return line_.refusal;
-  }
-  traffic_.begin(line_.limits, version, Clock::now());
-  return std::nullopt;
-}
-
-std::string Publisher::mistake_of_tls() {
-  {
-    const Guard lock(mutex_);
-    if (finishing_) {
-      return {};
-    }
-  }
-  return tls_mistake(settings_.broker, resolved_, settings_.client.tls, kTlsPatience);
-}
-
-Line::End Publisher::serve() {
+Line::End Publisher::serve_until_end() {
   Lock lock(mutex_);
   for (;;) {
     if (!traffic_.may_send(Clock::now())) {
       expect_sign_of_life(settings_.silence);  // what could leave and does not is no sign of life; send() gives it
     }
-    wake_.wait_for(lock, kStallCheck, [this] { return has_work(); });
-    line_.stalled = traffic_.stalled(Clock::now());
+    wake_.wait_for(lock, has_elsewhere() ? kStallCheckOfSeveral : kStallCheck, [this] { return has_work(); });
+    line_.stalled = is_silent();
     if (!line_.is_up() || line_.stalled) {
+      if (line_.stalled && has_elsewhere()) {
+        // What lies in its socket is what it reads when it goes on, Paho's goodbye among it, behind which it says no
+        // will. So that is said before: nobody comes back there soon.
+        lock.unlock();
+        client_->disconnect(kShortGoodbye, true);
+        lock.lock();
+      }
       return line_.end(settings_.client.client_id);
     }
+    look_home();
     if (!carry_out(lock) || !send(lock)) {
       line_.state = Line::State::down;
-    } else if (line_.drop || (finishing_ && farewell_over())) {
-      const bool say_will = line_.drop || !has_last_words_ || !traffic_.nothing_waits();
+    } else if (line_.drop || farewell_over()) {
+      const bool say_will = line_.drop || (finishing_ && !has_last_words_) || !traffic_.nothing_waits();
       lock.unlock();
       client_->disconnect(kGoodbye, say_will);
       lock.lock();
       return line_.end(settings_.client.client_id);
     }
+  }
+}
+
+bool Publisher::is_silent() {
+  const auto now = Clock::now();
+  if (!has_elsewhere()) {
+    return traffic_.stalled(now);
+  }
+  // With QoS 0 nobody knows how much lies before the question on a slow line.
+  if (settings_.client.qos > 0 && traffic_.is_idle() && pulse_.wants(now)) {
+    line_.orders.push_back({.subscription = {.filter = settings_.pulse_filter}, .ends = true});
+    pulse_.asked(now);
+  }
+  return traffic_.stalled(now, Traffic::kStalledOfSeveral) || pulse_.stopped(Traffic::kStalledOfSeveral, now);
+}
+
+void Publisher::look_home() {
+  if (rotation_.at() == 0 || line_.asked_to_leave) {
+    return;
+  }
+  if (const std::optional<bool> reached = look_.take()) {
+    homecoming_.looked(*reached, Clock::now());
+  } else if (!look_.runs() && homecoming_.due(Clock::now())) {
+    (void)look_.start([resolver = settings_.resolver, first = settings_.brokers.front(), tls = settings_.client.tls] {
+      return reaches(first, resolver(first), tls, kLookPatience);
+    });
+  }
+  if (homecoming_.is_time(Clock::now())) {
+    line_.asked_to_leave = true;
+    loop_->post([this, connection = line_.connection] { events_->on_may_leave(connection); });
   }
 }
 
@@ -254,7 +188,7 @@ void Publisher::drop_client() {
   if (line_.stood()) {
     const Line::End end = line_.end(settings_.client.client_id);
     traffic_.end(end.unexplained, Clock::now());
-    loop_->post([this, why = end.why, taken_over = is_takeover(line_.down_code)] {
+    loop_->post([this, why = named(candidate(), end.why), taken_over = is_takeover(line_.down_code)] {
       if (taken_over) {
         events_->on_taken_over();
       }
@@ -271,25 +205,43 @@ bool Publisher::pause(std::chrono::milliseconds duration) {
   return !wake_.wait_for(lock, duration, [this] { return finishing_; });
 }
 
-void Publisher::say_failure(const Line::End& end, std::chrono::milliseconds pause) {
-  const Guard lock(mutex_);
-  if (finishing_ || end.why == last_failure_) {
+std::string Publisher::named(const Candidate& which, const std::string& why) const {
+  return is_one_of_several() ? which.name + ": " + why : why;
+}
+
+void Publisher::say_end(Candidate& ended, const Turn& turn, std::chrono::milliseconds pause) {
+  if (is_finishing()) {
+    return;
+  }
+  if (!turn.stood && (turn.to_mend || is_one_of_several())) {
+    const TlsFiles& tls = settings_.client.tls;
+    const std::string why = without_paths(turn.end.why, {settings_.password_file, tls.ca, tls.cert, tls.key});
+    loop_->post([this, told = named(ended, why)] { events_->on_no_connection(told); });
+  }
+  if (turn.end.why == ended.said) {
     return;  // said once is enough for as long as it lasts
   }
-  last_failure_ = end.why;
-  std::string text = "MQTT: " + broker_ + ": " + end.why + "; trying again";
-  if (end.stays) {
+  ended.said = turn.end.why;
+  const Candidate& next = candidate();
+  std::string text =
+      "MQTT: " + ended.name + ": " + turn.end.why + "; trying " + (&next == &ended ? "again" : next.name);
+  if (turn.end.stays && &next == &ended) {
     text += " in " + std::to_string(std::chrono::ceil<std::chrono::seconds>(pause).count()) + " s";
   }
-  say(end.stays ? Level::error : Level::warning, std::move(text));
+  const Level level = turn.end.left ? Level::info : Level::warning;
+  say(turn.end.stays ? Level::error : level, std::move(text));
 }
 
 bool Publisher::farewell_over() {
-  return !traffic_.is_open() || traffic_.all_said(Clock::now()) || Clock::now() >= finish_by_;
+  if (!finishing_ && !line_.leave_by) {
+    return false;
+  }
+  const auto end = finishing_ ? finish_by_ : *line_.leave_by;
+  return !traffic_.is_open() || traffic_.all_said(Clock::now()) || Clock::now() >= end;
 }
 
 bool Publisher::has_work() {
-  return line_.wants() || traffic_.may_send(Clock::now()) || (finishing_ && farewell_over());
+  return line_.wants() || traffic_.may_send(Clock::now()) || farewell_over();
 }
 
 // Without the lock: the thread would wait for it at once. Most acknowledgements change nothing for it.

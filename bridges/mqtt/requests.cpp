@@ -120,6 +120,10 @@ bool Requests::is_stop(const Incoming& incoming) const {
   return command.stops && command.allowed;
 }
 
+bool Requests::is_idle() const noexcept {
+  return under_way_->total == 0;
+}
+
 boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
   const std::shared_ptr<UnderWay> under_way = under_way_;
   under_way->open = false;

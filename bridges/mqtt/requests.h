@@ -41,6 +41,9 @@ class Requests {
   /// It stops a drive that may be stopped this way, or all. From any thread: reads nothing but the configuration.
   [[nodiscard]] bool is_stop(const Incoming& incoming) const;
 
+  /// No command is under way.
+  [[nodiscard]] bool is_idle() const noexcept;
+
   /// Takes no more commands and waits for those under way, `patience` at most: whoever is left then ends with its
   /// drive, unanswered. The plant outlives them: it is stopped after this.
   boost::asio::awaitable<void> stop(canopen::Duration patience);

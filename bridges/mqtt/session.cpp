@@ -21,7 +21,7 @@ std::string lost_by(const Subscription& subscription) {
 
 void Session::connected(const Connected& connection, canopen::TimePoint now) {
   connection_ = connection.id;
-  place_ = &places_[connection.broker];
+  place_ = &places_[place_of(connection)];
   looked_here_ = !place_->looked;
   entries_.clear();
   if (looked_here_) {

@@ -101,7 +101,7 @@ class Session {
   Notice notice_;
   std::vector<Subscription> watched_too_;
   ConnectionId connection_ = 0;
-  std::map<std::string, Place> places_;  ///< By broker.
+  std::map<std::string, Place> places_;  ///< By place_of().
   Place* place_ = nullptr;               ///< Of this connection.
   Phase phase_ = Phase::offline;
   std::vector<Entry> entries_;  ///< Of this connection.

@@ -1,23 +1,18 @@
 #include "bridges/mqtt/tls_handshake.h"
 
 #include <fcntl.h>
-#include <netdb.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509_vfy.h>
 #include <openssl/x509v3.h>
 #include <poll.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
-#include <iterator>
 #include <memory>
 #include <system_error>
-#include <utility>
 
+#include "bridges/mqtt/tcp_connection.h"
 #include "bridges/mqtt/tls_words.h"
 
 namespace mqtt {
@@ -26,20 +21,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Context = std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)>;
 using Handshake = std::unique_ptr<SSL, decltype(&SSL_free)>;
-
-struct Socket {
-  explicit Socket(int opened) : descriptor(opened) {}
-  ~Socket() {
-    if (descriptor >= 0) {
-      close(descriptor);
-    }
-  }
-  Socket(Socket&& other) noexcept : descriptor(std::exchange(other.descriptor, -1)) {}
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  Socket& operator=(Socket&&) = delete;
-  int descriptor;
-};
 
 // Why it cannot be opened, in the system's words, which OpenSSL does not have; empty: it can.
 std::string mistake_of_opening(const char* key, const std::string& path) {
@@ -115,48 +96,6 @@ Context make_context() {
   return context;
 }
 
-bool wait_for(int descriptor, short events, Clock::time_point end) {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
-  pollfd wait{descriptor, events, 0};
-  return left > 0 && poll(&wait, 1, static_cast<int>(left)) > 0;
-}
-
-// A connection to the first address that accepts; negative: none does. As Paho, IPv4 goes before IPv6. None takes the
-// time of those behind it.
-Socket connect_to(const std::vector<std::string>& addresses, std::uint16_t port, Clock::time_point end) {
-  std::vector<std::string> in_order;
-  for (const bool v6 : {false, true}) {
-    std::ranges::copy_if(addresses, std::back_inserter(in_order),
-                         [v6](const std::string& each) { return (each.find(':') != std::string::npos) == v6; });
-  }
-  addrinfo hints{};
-  hints.ai_family = AF_UNSPEC;
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
-  auto left = static_cast<Clock::rep>(addresses.size());
-  for (const std::string& address : in_order) {
-    const Clock::time_point share = Clock::now() + (end - Clock::now()) / left--;
-    addrinfo* found = nullptr;
-    if (getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) {
-      continue;
-    }
-    const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> list(found, &freeaddrinfo);
-    Socket made(socket(list->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    if (made.descriptor < 0) {
-      continue;
-    }
-    int failed = connect(made.descriptor, list->ai_addr, list->ai_addrlen) == 0 ? 0 : errno;
-    socklen_t size = sizeof(failed);
-    if (failed == EINPROGRESS && wait_for(made.descriptor, POLLOUT, share)) {
-      getsockopt(made.descriptor, SOL_SOCKET, SO_ERROR, &failed, &size);
-    }
-    if (failed == 0) {
-      return made;
-    }
-  }
-  return Socket(-1);
-}
-
 // The name that the certificate must be for, which is told to the broker too (SNI, RFC 6066 §3: no address is).
 bool name_host(SSL& session, const std::string& host) {
   if (X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(&session), host.c_str()) == 1) {
@@ -170,7 +109,7 @@ bool name_host(SSL& session, const std::string& host) {
 
 // What the handshake, and then what the broker says to it, comes to: SSL_ERROR_…; of the time-out SSL_ERROR_WANT_READ.
 template <class Step>
-int carry_out(SSL& session, int descriptor, Clock::time_point end, Step step) {
+int carry_out(SSL& session, const TcpConnection& connection, Clock::time_point end, Step step) {
   for (;;) {
     ERR_clear_error();
     const int result = step();
@@ -181,10 +120,51 @@ int carry_out(SSL& session, int descriptor, Clock::time_point end, Step step) {
     if (error != SSL_ERROR_WANT_READ && error != SSL_ERROR_WANT_WRITE) {
       return error;
     }
-    if (!wait_for(descriptor, error == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT, end)) {
+    if (!wait_for(connection, error == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT, end)) {
       return SSL_ERROR_WANT_READ;
     }
   }
+}
+
+struct TlsTrial {
+  bool shaken = false;    ///< Both took the handshake for done.
+  std::string mistake{};  ///< Why not, or why it was of no use, where TLS is the reason.
+};
+
+TlsTrial try_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
+                 std::chrono::milliseconds patience) {
+  const Context context = make_context();
+  if (!context || !load(*context, files).empty()) {
+    return {.mistake = tls_files_mistake(files)};
+  }
+  const Clock::time_point end = Clock::now() + patience;  // the system's authorities take a while to read
+  const TcpConnection connected = connect_to(addresses, broker.port, end);
+  const Handshake session(SSL_new(context.get()), &SSL_free);
+  if (connected.descriptor < 0 || !session || !name_host(*session, broker.host) ||
+      SSL_set_fd(session.get(), connected.descriptor) != 1) {
+    return {};
+  }
+  int depth = 0;
+  if (SSL_set_ex_data(session.get(), 0, &depth) != 1) {
+    return {};
+  }
+  int how = carry_out(*session, connected, end, [&] { return SSL_connect(session.get()); });
+  if (how == SSL_ERROR_NONE) {
+    char byte = 0;
+    // With TLS 1.3 a broker refuses a certificate when the client takes the handshake for done (RFC 8446 §4.4.2.4); one
+    // that is slow, with all the time that is left.
+    how = carry_out(*session, connected, end, [&] { return SSL_read(session.get(), &byte, 1); });
+    // A broker that waits for the CONNECT has nothing against us; one that closes without a word says nothing of TLS.
+    return {.shaken = true, .mistake = how == SSL_ERROR_SSL ? tls_text_of_failure(how, files) : std::string()};
+  }
+  if (how == SSL_ERROR_WANT_READ) {
+    return {.mistake =
+                "TLS: the broker does not answer the handshake; it may hang or be starting, or this is not its "
+                "TLS port (as a rule 8883)"};
+  }
+  const long certificate = SSL_get_verify_result(session.get());
+  return {.mistake = certificate != X509_V_OK ? tls_text_of_certificate(certificate, depth, broker, files)
+                                              : tls_text_of_failure(how, files)};
 }
 
 }  // namespace
@@ -196,37 +176,13 @@ std::string tls_files_mistake(const TlsFiles& files) {
 
 std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::string>& addresses,
                         const TlsFiles& files, std::chrono::milliseconds patience) {
-  const Clock::time_point end = Clock::now() + patience;
-  const Context context = make_context();
-  if (!context || !load(*context, files).empty()) {
-    return tls_files_mistake(files);
-  }
-  const Socket connected = connect_to(addresses, broker.port, end);
-  const Handshake session(SSL_new(context.get()), &SSL_free);
-  if (connected.descriptor < 0 || !session || !name_host(*session, broker.host) ||
-      SSL_set_fd(session.get(), connected.descriptor) != 1) {
-    return {};
-  }
-  int depth = 0;
-  if (SSL_set_ex_data(session.get(), 0, &depth) != 1) {
-    return {};
-  }
-  int how = carry_out(*session, connected.descriptor, end, [&] { return SSL_connect(session.get()); });
-  if (how == SSL_ERROR_NONE) {
-    char byte = 0;
-    // With TLS 1.3 a broker refuses a certificate when the client takes the handshake for done (RFC 8446 §4.4.2.4); one
-    // that is slow, with all the time that is left.
-    how = carry_out(*session, connected.descriptor, end, [&] { return SSL_read(session.get(), &byte, 1); });
-    // A broker that waits for the CONNECT has nothing against us; one that closes without a word says nothing of TLS.
-    return how == SSL_ERROR_SSL ? tls_text_of_failure(how, files) : std::string();
-  }
-  if (how == SSL_ERROR_WANT_READ) {
-    return "TLS: the broker does not answer the handshake; it may hang or be starting, or this is not its TLS port (as "
-           "a rule 8883)";
-  }
-  const long certificate = SSL_get_verify_result(session.get());
-  return certificate != X509_V_OK ? tls_text_of_certificate(certificate, depth, broker, files)
-                                  : tls_text_of_failure(how, files);
+  return try_tls(broker, addresses, files, patience).mistake;
+}
+
+bool shakes_hands(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
+                  std::chrono::milliseconds patience) {
+  const TlsTrial trial = try_tls(broker, addresses, files, patience);
+  return trial.shaken && trial.mistake.empty();
 }
 
 }  // namespace mqtt

@@ -28,4 +28,8 @@ struct TlsFiles {
 [[nodiscard]] std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::string>& addresses,
                                       const TlsFiles& files, std::chrono::milliseconds patience);
 
+/// It succeeds, at the same addresses. Takes all of `patience` where the broker then waits for a CONNECT.
+[[nodiscard]] bool shakes_hands(const config::Endpoint& broker, const std::vector<std::string>& addresses,
+                                const TlsFiles& files, std::chrono::milliseconds patience);
+
 }  // namespace mqtt

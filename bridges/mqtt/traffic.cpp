@@ -124,13 +124,13 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
   progress_ = now;
 }
 
-bool Traffic::stalled(TimePoint now) const {
-  std::size_t bytes = 0;
-  for (const Outbox::Item& item : under_way_) {
-    bytes += packet_size(item.message, version_, qos_);
+bool Traffic::stalled(TimePoint now, std::chrono::seconds patience) const {
+  if (under_way_.empty()) {
+    return false;
   }
-  const std::chrono::milliseconds on_the_line(bytes * 1000 / kSlowestLine);
-  return !under_way_.empty() && now - progress_ > kStalled + on_the_line;
+  // It is the first to arrive whole; what is acknowledged before it does not stall.
+  const std::size_t bytes = packet_size(under_way_.front().message, version_, qos_);
+  return now - progress_ > patience + std::chrono::milliseconds(bytes * 1000 / kSlowestLine);
 }
 
 BrokerCounts Traffic::counts() const {

@@ -26,10 +26,12 @@ namespace mqtt {
 class Traffic {
  public:
   using TimePoint = Outbox::TimePoint;
-  /// Nothing that was sent is acknowledged for so long, and for as long as what is under way takes on a line of
+  /// Nothing that was sent is acknowledged for so long, and for as long as the oldest of it takes on a line of
   /// kSlowestLine besides: the broker hangs, although TCP stands. Paho's own ping notices only after two periods of
   /// keep alive, and not while its socket is full.
   static constexpr std::chrono::seconds kStalled{8};
+  /// Likewise where there is another broker, which is to be in use 10 s after this one fell silent.
+  static constexpr std::chrono::seconds kStalledOfSeveral{5};
   /// Bytes a second. A long message must not end each connection over a slow line.
   static constexpr std::size_t kSlowestLine = 4000;
 
@@ -41,6 +43,9 @@ class Traffic {
   void open() noexcept { open_ = true; }
   /// It is gone. `unexplained`: perhaps because of what was under way.
   void end(bool unexplained, TimePoint now);
+
+  /// The next connection is to another broker: what this one ended connections for is nothing to that.
+  void change_broker() { suspects_ = {}; }
 
   [[nodiscard]] bool is_open() const noexcept { return open_; }
   /// next() has something.
@@ -58,7 +63,9 @@ class Traffic {
   [[nodiscard]] bool all_said(TimePoint now) { return open_ && under_way_.empty() && front(now) == nullptr; }
   /// Nothing is held back, either.
   [[nodiscard]] bool nothing_waits() const { return open_ && under_way_.empty() && outbox_.empty(); }
-  [[nodiscard]] bool stalled(TimePoint now) const;
+  /// Nothing is under way.
+  [[nodiscard]] bool is_idle() const noexcept { return under_way_.empty(); }
+  [[nodiscard]] bool stalled(TimePoint now, std::chrono::seconds patience = kStalled) const;
   [[nodiscard]] BrokerCounts counts() const;
 
  private:

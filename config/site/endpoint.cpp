@@ -134,8 +134,6 @@ std::optional<Network> read_network(const Node& node, const Complaint& complain)
 }
 
 std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain) {
-  constexpr std::string_view kScheme = "mqtt://";
-  constexpr std::string_view kTlsScheme = "mqtts://";
   if (!expect(node, NodeKind::text, complain, "\"mqtt://127.0.0.1:1883\"")) {
     return std::nullopt;
   }
@@ -144,17 +142,12 @@ std::optional<Endpoint> read_broker(const Node& node, const Complaint& complain)
     complain.value(node.place, "must be mqtt://HOST:PORT; a name goes to username, and a password into password_file");
     return std::nullopt;
   }
-  const bool tls = node.text.starts_with(kTlsScheme);
-  const bool schemed = tls || node.text.starts_with(kScheme);
-  const std::size_t scheme = (tls ? kTlsScheme : kScheme).size();
-  auto broker = schemed ? parse_endpoint(std::string_view(node.text).substr(scheme)) : std::nullopt;
+  auto broker = parse_broker(node.text);
   if (!broker.has_value()) {
     complain.value(node.place, in_quotes(node.text) +
                                    " must be mqtt://HOST:PORT, such as \"mqtt://127.0.0.1:1883\", or "
                                    "mqtts://HOST:PORT for TLS");
-    return std::nullopt;
   }
-  broker->tls = tls;
   return broker;
 }
 
@@ -183,6 +176,20 @@ std::optional<Endpoint> parse_endpoint(std::string_view text) {
   std::transform(plain.begin(), plain.end(), plain.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return Endpoint{.host = std::move(plain), .port = static_cast<std::uint16_t>(*port)};
+}
+
+std::optional<Endpoint> parse_broker(std::string_view text) {
+  constexpr std::string_view kScheme = "mqtt://";
+  constexpr std::string_view kTlsScheme = "mqtts://";
+  const bool tls = text.starts_with(kTlsScheme);
+  if (!tls && !text.starts_with(kScheme)) {
+    return std::nullopt;
+  }
+  auto broker = parse_endpoint(text.substr((tls ? kTlsScheme : kScheme).size()));
+  if (broker.has_value()) {
+    broker->tls = tls;
+  }
+  return broker;
 }
 
 Form<Endpoint> endpoint() {

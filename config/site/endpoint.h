@@ -12,6 +12,9 @@ namespace config {
 /// broadcast addresses and IPv4 in the clothes of IPv6 are none. Names in lower case.
 [[nodiscard]] std::optional<Endpoint> parse_endpoint(std::string_view text);
 
+/// `mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS
+[[nodiscard]] std::optional<Endpoint> parse_broker(std::string_view text);
+
 [[nodiscard]] Form<Endpoint> endpoint();
 /// `mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS
 [[nodiscard]] Form<Endpoint> broker();

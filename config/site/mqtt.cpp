@@ -5,8 +5,10 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "config/schema/complaint.h"
+#include "config/site/endpoint.h"
 #include "config/site/site.h"
 #include "config/site/site_keys.h"
 #include "config/text.h"
@@ -16,6 +18,7 @@
 namespace config {
 namespace {
 
+/// Those of the list that could be read; one that could not is its own mistake.
 void check_brokers(const Node& table, const Mqtt& mqtt, Report& report) {
   const Node* const list = table.find("brokers");
   if (list == nullptr || list->kind != NodeKind::list) {
@@ -23,15 +26,31 @@ void check_brokers(const Node& table, const Mqtt& mqtt, Report& report) {
   }
   if (list->items.empty()) {
     report.error(list->place, "mqtt.brokers is empty; leave [mqtt] out where no MQTT is wanted");
-  } else if (list->items.size() > 1) {
-    report.error(list->items[1].place, "mqtt.brokers: more than one broker is not supported by this version");
-  } else if (std::ranges::any_of(mqtt.brokers, [](const Endpoint& each) {
-               return each.tls && each.host.find(':') != std::string::npos;
-             })) {
-    // Paho compares the certificate with the host in its brackets, which no certificate has.
-    report.error(list->items.front().place, "mqtt.brokers " + in_quotes(list->items.front().text) +
-                                                ": mqtts:// needs a name or an IPv4 address; name the broker as its "
-                                                "certificate does");
+    return;
+  }
+  std::vector<Endpoint> seen;
+  for (const Node& item : list->items) {
+    const std::optional<Endpoint> broker = item.kind == NodeKind::text ? parse_broker(item.text) : std::nullopt;
+    if (!broker) {
+      continue;
+    }
+    const std::string label = "mqtt.brokers " + in_quotes(item.text);
+    if (broker->tls && broker->host.find(':') != std::string::npos) {
+      // Paho compares the certificate with the host in its brackets, which no certificate has.
+      report.error(item.place,
+                   label + ": mqtts:// needs a name or an IPv4 address; name the broker as its certificate does");
+    }
+    const bool again = std::ranges::any_of(
+        seen, [&broker](const Endpoint& each) { return each.host == broker->host && each.port == broker->port; });
+    if (again) {
+      report.error(item.place, label + " is named twice; each broker is tried in its turn");
+    } else if (!broker->tls && !mqtt.password_file.empty() &&
+               std::ranges::any_of(mqtt.brokers, [](const Endpoint& each) { return each.tls; })) {
+      report.warning(item.place, label +
+                                     " is told the password in the clear, which TLS hides at the others; whoever "
+                                     "keeps us from those can read it. Name it as mqtts://");
+    }
+    seen.push_back(*broker);
   }
 }
 

@@ -122,7 +122,8 @@ const SectionOf<Mqtt>& mqtt_section() {
   static const SectionOf<Mqtt> section(
       "[mqtt]",
       {Field("brokers", &Mqtt::brokers, list("list of strings", broker()),
-             "One broker in this version, `mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS."),
+             "`mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS. Of several one is in use, the first that can be: see "
+             "[MQTT.md](MQTT.md#several-brokers)."),
        Field("version", &Mqtt::version,
              choice<MqttVersion>(
                  {{"auto", MqttVersion::automatic}, {"5", MqttVersion::v5}, {"3.1.1", MqttVersion::v3_1_1}}),

@@ -46,6 +46,11 @@ class FakeBroker final : public Broker {
     dropped = connection;
     dropped_why = std::move(why);
   }
+  /// The test tells on_disconnected() itself.
+  void leave(ConnectionId connection, std::vector<Message> last) override {
+    left = connection;
+    last_words = std::move(last);
+  }
   void suspect_takeover(ConnectionId connection) override { suspected = connection; }
   [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
@@ -120,6 +125,7 @@ class FakeBroker final : public Broker {
   ConnectionId dropped = 0;
   std::string dropped_why;
   ConnectionId suspected = 0;  ///< Of a take-over.
+  ConnectionId left = 0;
   std::vector<Message> last_words;
   std::function<void()> while_stopping;  ///< What happens while the last words leave.
   bool stopped = false;

@@ -29,5 +29,20 @@ TEST(Line, BehindASuspectedTakeOverItIsNotTriedAgainAtOnce) {
   EXPECT_FALSE(line.suspects_takeover) << "of that connection only";
 }
 
+TEST(Line, TellsABrokerThatIsSilentFromOneThatIsLeft) {
+  Line line;
+  line.begin();
+  line.up({});
+  line.stalled = true;
+  EXPECT_TRUE(line.end("id").silent);
+  EXPECT_FALSE(line.end("id").left);
+  line.begin();
+  line.up({});
+  line.leave_by.emplace();
+  EXPECT_TRUE(line.end("id").left);
+  EXPECT_FALSE(line.end("id").silent);
+  EXPECT_FALSE(line.end("id").unexplained) << "what is under way is no reason";
+}
+
 }  // namespace
 }  // namespace mqtt

@@ -106,7 +106,7 @@ TEST_F(MqttPublisher, ANameThatDoesNotResolveHoldsUpNeitherLoopNorEnd) {
 TEST_F(MqttPublisher, TriesEveryAddressOfAName) {
   TinyBroker broker({});
   PublisherSettings made = settings(broker.port());
-  made.broker.host = "broker.example";
+  made.brokers.front().host = "broker.example";
   made.resolver = [](const config::Endpoint&) { return std::vector<std::string>{"127.0.0.2", "127.0.0.1"}; };
   make(std::move(made));
   EXPECT_TRUE(connected());

@@ -52,8 +52,8 @@ class TlsTest : public test::PublisherFixture {
   }
   [[nodiscard]] PublisherSettings tls_settings(const std::string& host = "localhost") const {
     PublisherSettings made = settings(broker->port());
-    made.broker.host = host;
-    made.broker.tls = true;
+    made.brokers.front().host = host;
+    made.brokers.front().tls = true;
     made.client.tls.ca = ours->file().string();
     return made;
   }
@@ -116,8 +116,8 @@ TEST_F(TlsTest, ConnectsWithAClientCertificate) {
 TEST_F(TlsTest, TellsTheBrokerTheName) {
   const test::FirstWords broker_port;
   PublisherSettings made = settings(broker_port.port());
-  made.broker.host = "localhost";
-  made.broker.tls = true;
+  made.brokers.front().host = "localhost";
+  made.brokers.front().tls = true;
   make(std::move(made));
   const std::string hello = broker_port.hear();
   ASSERT_FALSE(hello.empty());
@@ -194,7 +194,7 @@ TEST_F(TlsTest, APortWithoutTlsIsNamed) {
 TEST_F(TlsTest, OfAPortWithTlsWithoutMqttsNothingIsTaken) {
   serve(ours->issue("broker", "DNS:localhost"));
   PublisherSettings made = tls_settings();
-  made.broker.tls = false;
+  made.brokers.front().tls = false;
   make(std::move(made));
   EXPECT_TRUE(run_until([this] { return !notices.empty(); }, 10s));
   EXPECT_TRUE(connections.empty());

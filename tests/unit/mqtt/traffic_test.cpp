@@ -88,6 +88,26 @@ TEST_F(TrafficTest, AConnectionThatAcknowledgesNothingIsStalled) {
   EXPECT_FALSE(traffic_.stalled(now_ + 1h)) << "nothing is under way";
 }
 
+TEST_F(TrafficTest, WhereThereIsAnotherBrokerLittleTimeIsLost) {
+  for (int i = 0; i < 16; ++i) {
+    push({value("v" + std::to_string(i), std::string(2000, 'x'))});
+  }
+  EXPECT_EQ(send().size(), 16U);
+  now_ += Traffic::kStalledOfSeveral;
+  EXPECT_FALSE(traffic_.stalled(now_, Traffic::kStalledOfSeveral));
+  EXPECT_TRUE(traffic_.stalled(now_ + 600ms, Traffic::kStalledOfSeveral)) << "what lies behind the oldest has time yet";
+}
+
+TEST_F(TrafficTest, WhatOneBrokerClosesOnIsPublishedAtOnceAtTheNext) {
+  push({value("bad", "1"), value("c", "1")});
+  EXPECT_EQ(send().size(), 2U);
+  traffic_.end(true, now_);
+  traffic_.change_broker();
+  begin();
+  push({value("bad", "1"), value("c", "1")});
+  EXPECT_EQ(send().size(), 2U) << "none is suspected";
+}
+
 TEST_F(TrafficTest, ALongMessageHasTheTimeThatASlowLineTakes) {
   const std::size_t line = Traffic::kSlowestLine;
   push({value("long", std::string(100 * line, 'x')), value("a", "1")});

@@ -278,7 +278,7 @@ TEST(MqttSettings, NameTheFiles) {
   mqtt.cert_file = "/cert";
   mqtt.key_file = "/key";
   const PublisherSettings settings = publisher_settings(mqtt, {.name = "line3"});
-  EXPECT_TRUE(settings.broker.tls);
+  EXPECT_TRUE(settings.brokers.front().tls);
   EXPECT_EQ(settings.password_file, "/p");
   EXPECT_EQ(settings.client.tls.ca, "/ca");
   EXPECT_EQ(settings.client.tls.cert, "/cert");
