@@ -48,8 +48,10 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       restart_(settings_.restart),
       patience_(settings_.sdo.patience) {
   sdo_.on_second_answer([this](bool different) { doubled_.on_second_answer(different); });
-  sdo_.on_abort(
-      [this](std::uint32_t code) { change_status([code](NodeStatus& status) { status.last_abort = code; }); });
+  sdo_.on_abort([this](std::uint32_t code) {
+    aborts_.add(code);
+    change_status([code](NodeStatus& status) { status.last_abort = code; });
+  });
   sdo_.on_remark([this](std::string_view text) { events_.on_remark(std::string(text)); });
   tpdos_.reserve(settings_.tpdos.size());
   for (const PdoSettings& tpdo : settings_.tpdos) {
