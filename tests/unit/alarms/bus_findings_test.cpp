@@ -41,7 +41,7 @@ TEST(BusFindings, OneForEachFaultsFirst) {
 
 // Whoever reads it at the plant knows what to do.
 TEST(BusFindings, EachNamesItsLikelyCauseAndTheRemedy) {
-  struct Case {
+  struct Told {
     BusView view;
     std::string_view reason;
     std::vector<std::string_view> said;
@@ -54,7 +54,7 @@ TEST(BusFindings, EachNamesItsLikelyCauseAndTheRemedy) {
     view.troubles.transmit = trouble;
     return view;
   };
-  const std::vector<Case> cases{
+  const std::vector<Told> cases{
       {in(BusCondition::warning), "warning", {"error-warning", "bit rate", "termination", "cable"}},
       {in(BusCondition::passive), "passive", {"error-passive", "bit rate", "termination", "cable"}},
       {in(BusCondition::bus_off), "bus-off", {"short-circuited", "bit rate", "ip link set can7 type can restart"}},
@@ -65,7 +65,7 @@ TEST(BusFindings, EachNamesItsLikelyCauseAndTheRemedy) {
       {with(canopen::TransmitTrouble::stuck),
        "transmit-stuck",
        {"transmit buffer stays full", "candump can7", "adapter that hangs"}}};
-  for (const Case& one : cases) {
+  for (const Told& one : cases) {
     const std::vector<BusFinding> findings = bus_findings(one.view);
     ASSERT_EQ(findings.size(), 1U) << one.reason;
     EXPECT_EQ(findings[0].reason, one.reason);
