@@ -1,6 +1,6 @@
 # Everything that comes from outside, all of it Debian 12 packages (scripts/install-packages installs them).
 # Imported targets are SYSTEM includes: our warnings do not look into them.
-#   deps::asio     Boost.Asio, compiled once        Boost::json   deps::modbus   deps::paho   spdlog::spdlog
+#   deps::asio     Boost.Asio, compiled once        Boost::json   deps::metrics   deps::modbus   deps::paho   spdlog::spdlog
 #   tomlplusplus::tomlplusplus   CLI11::CLI11   deps::systemd   deps::crypto   deps::ssl   GTest::gtest_main GTest::gmock   benchmark::benchmark
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
@@ -9,10 +9,12 @@ find_package(spdlog 1.10 REQUIRED CONFIG)
 find_package(tomlplusplus 3.3 REQUIRED CONFIG)
 find_package(CLI11 2.1 REQUIRED CONFIG)
 find_package(PahoMqttCpp REQUIRED CONFIG)
+pkg_check_modules(metrics REQUIRED IMPORTED_TARGET prometheus-cpp-core>=1.0)
 pkg_check_modules(modbus REQUIRED IMPORTED_TARGET libmodbus>=3.1.6)
 pkg_check_modules(systemd REQUIRED IMPORTED_TARGET libsystemd)
 pkg_check_modules(crypto REQUIRED IMPORTED_TARGET libcrypto>=3.0)
 pkg_check_modules(ssl REQUIRED IMPORTED_TARGET libssl>=3.0)
+add_library(deps::metrics ALIAS PkgConfig::metrics)
 add_library(deps::modbus ALIAS PkgConfig::modbus)
 add_library(deps::systemd ALIAS PkgConfig::systemd)
 add_library(deps::crypto ALIAS PkgConfig::crypto)

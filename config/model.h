@@ -249,12 +249,21 @@ struct Mqtt {
   friend bool operator==(const Mqtt&, const Mqtt&) = default;
 };
 
+/// The HTTP server, which only shows.
+struct Http {
+  Endpoint listen{"127.0.0.1", 9464};
+  std::vector<Network> read_from{{"127.0.0.0", 8}, {"::1", 128}};
+  std::vector<std::string> hosts;  ///< Further names, in lower case, that a request may have for its host.
+  friend bool operator==(const Http&, const Http&) = default;
+};
+
 struct Model {
   Gateway gateway;
   std::vector<Bus> buses;
   std::vector<Drive> drives;
   std::optional<Modbus> modbus;
   std::optional<Mqtt> mqtt;
+  std::optional<Http> http;
   friend bool operator==(const Model&, const Model&) = default;
 };
 

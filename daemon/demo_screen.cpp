@@ -143,6 +143,12 @@ std::string control_lines(const config::Model& model) {
   return text;
 }
 
+std::string http_address(const config::Endpoint& endpoint) {
+  const bool is_v6 = endpoint.host.find(':') != std::string::npos;
+  return is_v6 ? fmt::format("http://[{}]:{}", endpoint.host, endpoint.port)
+               : fmt::format("http://{}:{}", endpoint.host, endpoint.port);
+}
+
 }  // namespace
 
 DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, Output out,
@@ -181,6 +187,11 @@ std::string demo_guide(const config::Model& model) {
     text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
                         model.mqtt->brokers.front().host, model.mqtt->brokers.front().port, model.mqtt->base,
                         model.gateway.name);
+  }
+  if (model.http) {
+    text += fmt::format(
+        "\nThe same to look at, and what Prometheus reads:\n  curl {0}/api/drives/{1}\n  curl {0}/metrics\n",
+        http_address(model.http->listen), model.drives.front().name);
   }
   for (const config::Drive& drive : model.drives) {
     text += fmt::format("\n{} ({}, node {}):\n", drive.name, drive.profile, drive.node.node);

@@ -3,14 +3,17 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <deque>
 #include <string>
 #include <utility>
 
 #include "bridges/alarms/alarm_id.h"
 #include "bridges/mqtt/publisher.h"
 #include "daemon/control/plant_service.h"
+#include "daemon/http/respond.h"
 #include "daemon/journal_place.h"
 #include "daemon/log.h"
+#include "daemon/map.h"
 #include "daemon/program_health.h"
 
 namespace gateway {
@@ -66,7 +69,8 @@ std::unique_ptr<journal::Journal> make_journal(const boost::asio::any_io_executo
 
 Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link,
                  const std::string& control_group)
-    : journal_(make_journal(executor, model.gateway)),
+    : instance_(alarms::random_id()),
+      journal_(make_journal(executor, model.gateway)),
       buses_(make_buses(executor, model, make_link)),
       plant_(executor, model, ports(buses_)),
       event_log_(executor, plant_) {
@@ -81,16 +85,16 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     plant_.add(*kept_alarms_);
   }
   if (model.modbus) {
-    modbus_ = std::make_unique<modbus::Server>(
-        executor, plant_, *model.modbus,
-        modbus::Notices{.info = [](const std::string& text) { spdlog::info(text); },
-                        .warning = [](const std::string& text) { spdlog::warn(text); }});
+    modbus_ =
+        std::make_unique<modbus::Server>(executor, plant_, *model.modbus,
+                                         net::Notices{.info = [](const std::string& text) { spdlog::info(text); },
+                                                      .warning = [](const std::string& text) { spdlog::warn(text); }});
     modbus_->count_lost_messages_by(&Log::dropped);
     plant_.add(*modbus_);
   }
   if (model.mqtt) {
     mqtt_ = std::make_unique<mqtt::Bridge>(
-        executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION, alarms::random_id(),
+        executor, plant_, *model.mqtt, model.gateway, GATEWAY_VERSION, instance_,
         std::make_unique<mqtt::Publisher>(executor, mqtt::publisher_settings(*model.mqtt, model.gateway), log_notice),
         log_notice);
     plant_.add(*mqtt_);
@@ -105,6 +109,9 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
         executor, control::Place{model.gateway.control, control_group}, control::plant_service(plant_),
         control::Server::Notices{.warning = [](const std::string& text) { spdlog::warn(text); },
                                  .info = [](const std::string& text) { spdlog::info(text); }});
+  }
+  if (model.http) {
+    make_http(executor);
   }
   for (std::size_t i = 0; i < buses_.size(); ++i) {
     BusInUse& in_use = buses_[i];
@@ -125,6 +132,65 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
 }
 
 Gateway::~Gateway() = default;
+
+void Gateway::make_http(const boost::asio::any_io_executor& executor) {
+  plant_.add(tally_);
+  live_ = std::make_unique<http::Live>(plant_);
+  history_ = std::make_unique<http::History>(executor, plant_);
+  plant_.add(*live_);
+  site_ = std::make_unique<http::Site>(http_site());
+  http_ = std::make_unique<http::Server>(
+      executor, *plant_.model().http, [this](const http::Request& request) { return http::respond(request, *site_); },
+      http::LiveSource{.begin = [this] { return live_->begin(); },
+                       .take =
+                           [this](http::Live::Place& place) {
+                             return live_->take(place, [this] { return process::health_json(health()); });
+                           }},
+      net::Notices{.info = [](const std::string& text) { spdlog::info(text); },
+                   .warning = [](const std::string& text) { spdlog::warn(text); }});
+  site_->history = [this](std::size_t drive) { return history_->json(drive); };
+  site_->http = [this] { return http_->figures(); };
+}
+
+http::Site Gateway::http_site() {
+  http::Site site{.plant = plant_,
+                  .commands = tally_,
+                  .version = GATEWAY_VERSION,
+                  .map = render_map_json(plant_.model()),
+                  .health = [this] { return health(); }};
+  if (modbus_) {
+    site.modbus = [this] {
+      return http::ModbusFigures{
+          .clients = modbus_->clients(), .refused = modbus_->refused(), .counts = modbus_->counts()};
+    };
+  }
+  if (mqtt_) {
+    site.mqtt = [this] {
+      const process::BrokerHealth broker = mqtt_->broker_health();
+      return http::MqttFigures{.connected = mqtt_->connected(),
+                               .counts = mqtt_->broker_counts(),
+                               .put_right = broker.put_right,
+                               .refused_subscriptions = broker.refused.size()};
+    };
+  }
+  if (journal_) {
+    site.journal = [this] {
+      return http::JournalFigures{.lost = journal_->queue().lost(), .passed_by = journal_->queue().passed_by()};
+    };
+    site.journal_lines = [this]() -> const std::deque<std::string>& { return journal_->newest_lines(); };
+  }
+  return site;
+}
+
+process::Health Gateway::health() const {
+  process::Health health = process::health_of(plant_);
+  health.instance = instance_;
+  health.program = program_health(started_, journal_ ? journal_->newest_hash() : std::string());
+  if (mqtt_) {
+    health.broker = mqtt_->broker_health();
+  }
+  return health;
+}
 
 std::vector<Gateway::BusInUse> Gateway::make_buses(const boost::asio::any_io_executor& executor,
                                                    const config::Model& model, const LinkFactory& make_link) {
@@ -161,6 +227,10 @@ void Gateway::start(std::span<const int> passed) {
   if (control_) {
     control_->start();
   }
+  if (http_) {
+    http_->start();
+    history_->start();
+  }
   plant_.start();
   for (BusInUse& in_use : buses_) {
     in_use.bus->start();
@@ -171,6 +241,10 @@ void Gateway::start(std::span<const int> passed) {
 // No command begins any more; those that have begun still get their answer on MQTT and the control socket. Modbus
 // clients are gone at once, and what they began ends with the plant.
 boost::asio::awaitable<void> Gateway::stop() {
+  if (http_) {
+    history_->stop();
+    co_await http_->stop();
+  }
   if (modbus_) {
     modbus_->close();
   }

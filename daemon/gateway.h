@@ -3,6 +3,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -20,6 +21,11 @@
 #include "config/model.h"
 #include "daemon/control/server.h"
 #include "daemon/event_log.h"
+#include "daemon/http/command_tally.h"
+#include "daemon/http/history.h"
+#include "daemon/http/live.h"
+#include "daemon/http/server.h"
+#include "daemon/http/site.h"
 #include "daemon/kept_alarms.h"
 
 namespace gateway {
@@ -46,6 +52,10 @@ class Gateway {
   [[nodiscard]] bool alive() const { return mqtt_ == nullptr || mqtt_->alive(); }
 
   [[nodiscard]] process::Plant& plant() noexcept { return plant_; }
+  /// How it is, as `B/health` and `/health` show it.
+  [[nodiscard]] process::Health health() const;
+  /// Of the HTTP server; 0 while it does not listen.
+  [[nodiscard]] std::uint16_t http_port() const { return http_ ? http_->port() : std::uint16_t{0}; }
 
  private:
   /// A bus, and what hears of its state. The subscription goes before the bus.
@@ -58,8 +68,11 @@ class Gateway {
 
   static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,
                                           const LinkFactory& make_link);
+  [[nodiscard]] http::Site http_site();
+  void make_http(const boost::asio::any_io_executor& executor);
   static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
 
+  std::string instance_;  ///< Of this life of the program.
   canopen::TimePoint started_ = canopen::Clock::now();
   std::unique_ptr<journal::Journal> journal_;  ///< None where there is no state directory.
   std::vector<BusInUse> buses_;
@@ -69,6 +82,11 @@ class Gateway {
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
   std::unique_ptr<control::Server> control_;
+  http::CommandTally tally_;
+  std::unique_ptr<http::Site> site_;  ///< What HTTP shows.
+  std::unique_ptr<http::Live> live_;
+  std::unique_ptr<http::History> history_;
+  std::unique_ptr<http::Server> http_;
 };
 
 }  // namespace gateway

@@ -3,6 +3,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
+#include <deque>
 #include <set>
 #include <string>
 
@@ -32,6 +33,8 @@ class Journal final : public process::CommandJournal {
   /// SHA-256 of the newest line on disk, in hexadecimal; of the first line's `prev` where there is none yet; empty
   /// where the journal cannot be read.
   [[nodiscard]] const std::string& newest_hash() const noexcept { return queue_.newest_hash(); }
+  /// The newest lines on the disk, oldest first.
+  [[nodiscard]] const std::deque<std::string>& newest_lines() const noexcept { return queue_.newest_lines().lines(); }
   [[nodiscard]] LineQueue& queue() noexcept { return queue_; }
 
  private:

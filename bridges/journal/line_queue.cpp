@@ -19,10 +19,12 @@ struct LineQueue::Batch {
   std::size_t written = 0;
   Store::Failure failure;
   std::string newest_hash;
+  std::vector<std::string> lines;  ///< As they stand on the disk.
 };
 
 LineQueue::LineQueue(const boost::asio::any_io_executor& executor, const Place& place, disk::Trouble::Told told)
-    : most_waiting_(place.waiting),
+    : directory_(place.directory),
+      most_waiting_(place.waiting),
       trouble_(std::move(told)),
       store_(std::make_shared<Store>(place.directory, place.limit, place.calls)),
       writer_(executor),
@@ -32,9 +34,11 @@ LineQueue::LineQueue(const boost::asio::any_io_executor& executor, const Place& 
 
 void LineQueue::start() {
   const auto batch = std::make_shared<Batch>();
-  const auto open = [store = store_, batch, now = Entry{canopen::wall_now(), canopen::Clock::now(), {}}] {
+  const auto open = [store = store_, directory = directory_, batch,
+                     now = Entry{canopen::wall_now(), canopen::Clock::now(), {}}] {
     batch->failure = store->open(now);
     batch->newest_hash = store->newest_hash();
+    batch->lines = read_newest_lines(directory);
   };
   writer_.run(open, [this, batch] { on_written(*batch); });
 }
@@ -108,13 +112,17 @@ void LineQueue::write_next() {
         break;
       }
       ++batch->written;
+      batch->lines.push_back(store->newest_line().substr(0, store->newest_line().size() - 1));
     }
     batch->newest_hash = store->newest_hash();
   };
   writer_.run(write, [this, batch] { on_written(*batch); });
 }
 
-void LineQueue::on_written(const Batch& batch) {
+void LineQueue::on_written(Batch& batch) {
+  for (std::string& line : batch.lines) {
+    newest_lines_.add(std::move(line));
+  }
   for (std::size_t i = 0; i < batch.written; ++i) {
     waiting_bytes_ -= waiting_.front().entry.members.size() + kOverhead;
     done_ = std::max(done_, waiting_.front().number);

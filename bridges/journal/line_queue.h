@@ -13,6 +13,7 @@
 #include "bridges/disk/trouble.h"
 #include "bridges/disk/worker.h"
 #include "bridges/journal/line.h"
+#include "bridges/journal/newest_lines.h"
 #include "bridges/journal/store.h"
 #include "canopen/clock.h"
 #include "canopen/event.h"
@@ -45,6 +46,8 @@ class LineQueue {
   boost::asio::awaitable<void> until_synced(canopen::TimePoint until);
 
   [[nodiscard]] const std::string& newest_hash() const noexcept { return newest_hash_; }
+  /// What stands on the disk last.
+  [[nodiscard]] const NewestLines& newest_lines() const noexcept { return newest_lines_; }
   /// Lines whose command did not wait for them any more.
   [[nodiscard]] std::uint64_t passed_by() const noexcept { return passed_by_; }
   /// Lines that were never written.
@@ -63,11 +66,12 @@ class LineQueue {
   void push(Entry entry, std::uint64_t number);
   void tell_lost();
   void write_next();
-  void on_written(const Batch& batch);
+  void on_written(Batch& batch);
   void sync();
   void on_tick();
   [[nodiscard]] std::string summary() const;
 
+  std::filesystem::path directory_;
   std::size_t most_waiting_;
   disk::Trouble trouble_;
   std::shared_ptr<Store> store_;  ///< With the job under way, which may outlive us.
@@ -85,6 +89,7 @@ class LineQueue {
   bool refused_ = false;           ///< The last attempt failed.
   bool unsynced_ = false;
   std::string newest_hash_;
+  NewestLines newest_lines_;
 };
 
 }  // namespace journal

@@ -205,6 +205,7 @@ Store::Failure Store::write_line(std::string line) {
   files_.back().size += line.size();
   ++n_;
   hash_ = std::move(hash);
+  line_ = std::move(line);
   return std::nullopt;
 }
 

@@ -43,6 +43,8 @@ class Store {
 
   /// Of the newest line that is written; empty before open().
   [[nodiscard]] const std::string& newest_hash() const noexcept { return hash_; }
+  /// The line of the last append(), with its line break.
+  [[nodiscard]] const std::string& newest_line() const noexcept { return line_; }
 
  private:
   [[nodiscard]] Failure open_directory();
@@ -72,6 +74,7 @@ class Store {
   bool known_ = false;                   ///< `n_` and `hash_` say how the chain goes on.
   std::uint64_t n_ = 0;
   std::string hash_;
+  std::string line_;
 };
 
 }  // namespace journal

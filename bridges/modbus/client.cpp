@@ -34,13 +34,15 @@ constexpr std::size_t kLookAhead = 4096;
 
 }  // namespace
 
-Client::Client(tcp::socket socket, const boost::asio::ip::address& from, bool may_write, Units& units, Answers& answers)
+Client::Client(tcp::socket socket, const boost::asio::ip::address& from, bool may_write, Units& units, Answers& answers,
+               Counts& counts)
     : socket_(std::move(socket)),
       from_(from),
       writer_{.way = process::Writer::Way::modbus, .address = from.to_string()},
       may_write_(may_write),
       units_(units),
       answers_(answers),
+      counts_(counts),
       arrivals_(canopen::Clock::now()),
       active_(canopen::Clock::now()) {}
 
@@ -110,7 +112,7 @@ awaitable<bool> Client::receive() {
     note_loss(failed);
     co_return false;
   }
-  came_late_ = taken_ == 0 && silence(socket_) > kMayHaveGivenUp;
+  came_late_ = taken_ == 0 && net::silence(socket_) > kMayHaveGivenUp;
   if (came_late_) {
     co_return false;
   }
@@ -270,6 +272,10 @@ void Client::refuse(std::uint8_t function, Exception exception) {
 }
 
 std::span<const std::uint8_t> Client::word_answer(std::span<const std::uint8_t> frame) {
+  ++counts_.requests;
+  if (answer_.exception) {
+    counts_.add(*answer_.exception);
+  }
   if (!answer_.pdu.empty()) {
     return frame_answer(frame, answer_.pdu, worded_);
   }

@@ -13,12 +13,13 @@
 
 #include "bridges/modbus/answers.h"
 #include "bridges/modbus/arrivals.h"
+#include "bridges/modbus/counts.h"
 #include "bridges/modbus/exception.h"
 #include "bridges/modbus/mbap.h"
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/snapshot.h"
-#include "bridges/modbus/tcp_options.h"
 #include "bridges/modbus/units.h"
+#include "bridges/net/tcp_options.h"
 #include "bridges/process/command.h"
 #include "bridges/process/writer.h"
 #include "canopen/clock.h"
@@ -29,9 +30,9 @@ namespace modbus {
 /// that waits; answers are always in order.
 class Client {
  public:
-  /// `units` and `answers` outlive the client.
+  /// `units`, `answers` and `counts` outlive the client.
   Client(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& from, bool may_write, Units& units,
-         Answers& answers);
+         Answers& answers, Counts& counts);
 
   /// Returns when the connection ended: by the client, by close(), or because it sent what is no Modbus.
   boost::asio::awaitable<void> serve();
@@ -88,12 +89,13 @@ class Client {
   void refuse(std::uint8_t function, Exception exception);
 
   boost::asio::ip::tcp::socket socket_;
-  SlowReader slow_reader_;
+  net::SlowReader slow_reader_;
   boost::asio::ip::address from_;
   process::Writer writer_;
   bool may_write_;
   Units& units_;
   Answers& answers_;
+  Counts& counts_;
 
   std::array<std::uint8_t, kMaxFrame> received_{};
   std::array<std::uint8_t, kMaxFrame> worded_{};

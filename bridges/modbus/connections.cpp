@@ -15,7 +15,7 @@
 
 #include "bridges/modbus/admission.h"
 #include "bridges/modbus/passed_sockets.h"
-#include "bridges/modbus/tcp_options.h"
+#include "bridges/net/tcp_options.h"
 
 namespace modbus {
 namespace {
@@ -34,13 +34,13 @@ constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
 }  // namespace
 
 Connections::Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units,
-                         Notices notices)
+                         net::Notices notices)
     : executor_(std::move(executor)),
       settings_(settings),
       readers_(settings.read_from, "[modbus] read_from"),
       writers_(settings.write_from, "[modbus] write_from"),
       units_(units),
-      log_(std::move(notices)),
+      log_("Modbus", std::move(notices)),
       owner_{.take = [this](tcp::socket socket, bool last) { take(std::move(socket), last); },
              .spawn = [this](awaitable<void> work) { spawn(std::move(work)); },
              .log = log_},
@@ -53,7 +53,7 @@ Connections::Connections(boost::asio::any_io_executor executor, const config::Mo
 
 void Connections::start(std::span<const int> passed) {
   PassedSockets sockets(executor_, passed, log_);
-  for (Listener& listener : listeners_) {
+  for (net::Listener& listener : listeners_) {
     const std::optional<tcp::endpoint> at = listener.numeric();
     listener.start(at ? sockets.take(*at) : std::nullopt);
   }
@@ -63,7 +63,7 @@ void Connections::start(std::span<const int> passed) {
 
 void Connections::close() {
   stopping_ = true;
-  for (Listener& listener : listeners_) {
+  for (net::Listener& listener : listeners_) {
     listener.close();
   }
   for (Client& client : clients_) {
@@ -107,7 +107,7 @@ void Connections::take(tcp::socket socket, bool last) {
   if (failed || stopping_) {
     return;
   }
-  const boost::asio::ip::address address = plain_address(remote.address());
+  const boost::asio::ip::address address = net::plain_address(remote.address());
   if (const char* const why = refusal(address, last)) {
     // Accepted and closed at once: the client learns it now and does not wait in the backlog until its own timeout.
     count_refused();
@@ -115,7 +115,7 @@ void Connections::take(tcp::socket socket, bool last) {
     socket.shutdown(tcp::socket::shutdown_both, failed);
     return;
   }
-  prepare(socket);
+  net::prepare(socket);
   serve(std::move(socket), address);
 }
 
@@ -152,8 +152,8 @@ const char* Connections::refusal(const boost::asio::ip::address& address, bool l
 }
 
 void Connections::serve(tcp::socket socket, const boost::asio::ip::address& address) {
-  const auto client =
-      clients_.emplace(clients_.end(), std::move(socket), address, writers_.contains(address), units_, answers_);
+  const auto client = clients_.emplace(clients_.end(), std::move(socket), address, writers_.contains(address), units_,
+                                       answers_, counts_);
   log_.info(client->address(), client->may_write() ? "connected" : "connected, may read only");
   units_.gateway().set_clients(clients_.size());
   ++running_;

@@ -8,12 +8,13 @@
 #include <list>
 #include <span>
 
-#include "bridges/modbus/access_list.h"
 #include "bridges/modbus/answers.h"
 #include "bridges/modbus/client.h"
-#include "bridges/modbus/connection_log.h"
-#include "bridges/modbus/listener.h"
+#include "bridges/modbus/counts.h"
 #include "bridges/modbus/units.h"
+#include "bridges/net/access_list.h"
+#include "bridges/net/connection_log.h"
+#include "bridges/net/listener.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
@@ -23,7 +24,8 @@ namespace modbus {
 class Connections {
  public:
   /// `units` outlives the connections. Throws std::runtime_error for address ranges that are none.
-  Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units, Notices notices);
+  Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units,
+              net::Notices notices);
 
   /// `passed`: descriptors of listening sockets, which are owned from here on.
   void start(std::span<const int> passed);
@@ -35,6 +37,7 @@ class Connections {
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
   /// Closed at once since the start.
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
+  [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
  private:
   void take(boost::asio::ip::tcp::socket socket, bool last);
@@ -49,14 +52,15 @@ class Connections {
 
   boost::asio::any_io_executor executor_;
   const config::Modbus& settings_;
-  AccessList readers_;
-  AccessList writers_;
+  net::AccessList readers_;
+  net::AccessList writers_;
   Units& units_;
   Answers answers_;
+  Counts counts_;
   std::list<Client> clients_;
-  ConnectionLog log_;
-  Listener::Owner owner_;
-  std::list<Listener> listeners_;  ///< One for each entry of `listen`, in its order.
+  net::ConnectionLog log_;
+  net::Listener::Owner owner_;
+  std::list<net::Listener> listeners_;  ///< One for each entry of `listen`, in its order.
   canopen::Timer housekeeping_;
   canopen::Timer all_ended_;
   std::size_t running_ = 0;  ///< Coroutines.

@@ -71,10 +71,10 @@ Diagnostics diagnostics_of(const process::Drive& drive, config::WordOrder order,
   }
   block[8] = age_ms(status.last_heartbeat, now);
   block[9] = age_ms(oldest_value(drive.image()), now);
-  block[10] = status.boot_ups;
-  block[11] = status.emergencies;
+  block[10] = static_cast<std::uint16_t>(status.boot_ups);
+  block[11] = static_cast<std::uint16_t>(status.emergencies);
   put_words(drive.last_refused_abort(), order, std::span(block).subspan<12, 2>());
-  block[14] = status.heartbeat_losses;
+  block[14] = static_cast<std::uint16_t>(status.heartbeat_losses);
   block[17] = static_cast<std::uint16_t>(std::min<std::size_t>(drive.last_written(), 0xFFFF));
   return block;
 }

@@ -117,10 +117,10 @@ GatewayUnit::BusBlock GatewayUnit::bus_block(std::size_t bus) const {
   block[1] = statistics.load_per_mille;
   block[2] = state.transmit_errors;
   block[3] = state.receive_errors;
-  block[4] = statistics.bus_offs;
-  block[5] = statistics.frames_lost;
-  put_words(statistics.frames_received, order_, std::span(block).subspan<6, 2>());
-  put_words(statistics.frames_sent, order_, std::span(block).subspan<8, 2>());
+  block[4] = static_cast<std::uint16_t>(statistics.bus_offs);
+  block[5] = static_cast<std::uint16_t>(statistics.frames_lost);
+  put_words(static_cast<std::uint32_t>(statistics.frames_received), order_, std::span(block).subspan<6, 2>());
+  put_words(static_cast<std::uint32_t>(statistics.frames_sent), order_, std::span(block).subspan<8, 2>());
   block[18] = statistics.highest_load_per_mille;
   block[19] = statistics.error_frames;
   for (std::size_t i = 0; i < plant_.size(); ++i) {

@@ -40,7 +40,7 @@ std::string text_of(const tcp::acceptor& acceptor) {
 }  // namespace
 
 PassedSockets::PassedSockets(const boost::asio::any_io_executor& executor, std::span<const int> descriptors,
-                             ConnectionLog& log)
+                             net::ConnectionLog& log)
     : log_(log) {
   for (const int descriptor : descriptors) {
     const std::optional<tcp> protocol = listens_to(descriptor);

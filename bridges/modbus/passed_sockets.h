@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bridges/modbus/connection_log.h"
+#include "bridges/net/connection_log.h"
 
 namespace modbus {
 
@@ -14,7 +14,8 @@ namespace modbus {
 class PassedSockets {
  public:
   /// Owns the descriptors from here on; what is no listening TCP socket is told and closed.
-  PassedSockets(const boost::asio::any_io_executor& executor, std::span<const int> descriptors, ConnectionLog& log);
+  PassedSockets(const boost::asio::any_io_executor& executor, std::span<const int> descriptors,
+                net::ConnectionLog& log);
 
   /// The one with just that address and port.
   [[nodiscard]] std::optional<boost::asio::ip::tcp::acceptor> take(const boost::asio::ip::tcp::endpoint& at);
@@ -23,7 +24,7 @@ class PassedSockets {
 
  private:
   std::vector<boost::asio::ip::tcp::acceptor> acceptors_;
-  ConnectionLog& log_;
+  net::ConnectionLog& log_;
 };
 
 }  // namespace modbus

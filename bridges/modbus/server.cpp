@@ -5,7 +5,7 @@
 namespace modbus {
 
 Server::Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings,
-               Notices notices)
+               net::Notices notices)
     : units_(plant, settings), connections_(std::move(executor), settings, units_, std::move(notices)) {}
 
 void Server::count_lost_messages_by(std::function<std::uint64_t()> count) {

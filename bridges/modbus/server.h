@@ -7,9 +7,10 @@
 #include <functional>
 #include <span>
 
-#include "bridges/modbus/connection_log.h"
 #include "bridges/modbus/connections.h"
+#include "bridges/modbus/counts.h"
 #include "bridges/modbus/units.h"
+#include "bridges/net/connection_log.h"
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "config/model.h"
@@ -23,7 +24,7 @@ class Server final : public process::Observer {
   /// `plant` and `settings` outlive the server. Whoever creates it adds it to the plant's observers before the plant
   /// starts. Throws std::runtime_error for address ranges that are none.
   Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings,
-         Notices notices = {});
+         net::Notices notices = {});
   /// After stop(), or after the loop has ended.
   ~Server() = default;
   Server(const Server&) = delete;
@@ -45,6 +46,8 @@ class Server final : public process::Observer {
   [[nodiscard]] std::size_t clients() const noexcept { return connections_.clients(); }
   /// Connections closed at once since the start: not from `read_from`, or no room for them.
   [[nodiscard]] std::uint64_t refused() const noexcept { return connections_.refused(); }
+  /// What was asked since the start.
+  [[nodiscard]] const Counts& counts() const noexcept { return connections_.counts(); }
 
   /// Register 4 of the gateway unit.
   void set_mqtt_connected(bool connected) noexcept { units_.gateway().set_mqtt_connected(connected); }

@@ -60,6 +60,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
     program_health_ = std::move(function);
   }
   [[nodiscard]] process::BrokerHealth broker_health() const;
+  [[nodiscard]] BrokerCounts broker_counts() const { return broker_->counts(); }
 
   void on_values(const process::Drive& drive, std::span<const process::SignalId> signals) override;
   void on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) override;

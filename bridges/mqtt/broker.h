@@ -28,6 +28,7 @@ struct Subscribed {
 
 /// What became of messages since the start.
 struct BrokerCounts {
+  std::uint64_t published = 0;         ///< The broker has them; with QoS 0: handed to the system.
   std::uint64_t messages_dropped = 0;  ///< Too long for the broker, refused by it, or no topic that can be sent to.
   std::uint64_t answers_dropped = 0;   ///< Too old, tried too often, or too many.
 };

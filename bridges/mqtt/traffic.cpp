@@ -118,6 +118,7 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
                                 " first: " + reason_text(code) + "; check what the gateway's user may write");
     }
   }
+  published_ += delivery == Delivery::refused ? 0 : 1;
   begun_ = begun_ || sent->message.after_all;
   suspects_.acquit(sent->message);
   under_way_.erase(sent);
@@ -134,7 +135,7 @@ bool Traffic::stalled(TimePoint now) const {
 }
 
 BrokerCounts Traffic::counts() const {
-  return {.messages_dropped = dropped_, .answers_dropped = outbox_.answers_dropped()};
+  return {.published = published_, .messages_dropped = dropped_, .answers_dropped = outbox_.answers_dropped()};
 }
 
 Outbox::Holds Traffic::holds(TimePoint now) const {

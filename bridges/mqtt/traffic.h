@@ -82,6 +82,7 @@ class Traffic {
   BrokerLimits limits_;
   TimePoint progress_{};  ///< When something was acknowledged, or sent after a time of nothing.
   TimePoint left_{};      ///< When something left.
+  std::uint64_t published_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t said_answers_ = 0;
   std::set<std::string> said_too_long_;  ///< Topics.

@@ -56,6 +56,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   [[nodiscard]] const Image& image() const noexcept { return image_; }
   [[nodiscard]] const canopen::NodeStatus& status() const noexcept { return node_.status(); }
   [[nodiscard]] const alarms::Alarm& alarm(alarms::AlarmKind kind) const noexcept { return alarms_.alarm(kind); }
+  /// SDO transfers that it refused since the start.
+  [[nodiscard]] const canopen::AbortCounts& sdo_aborts() const noexcept { return node_.sdo_aborts(); }
   /// Any alarm of a fault's severity is active / of a warning's.
   [[nodiscard]] bool has_fault_alarm() const noexcept { return alarms_.any(config::Severity::fault); }
   [[nodiscard]] bool has_warning_alarm() const noexcept { return alarms_.any(config::Severity::warning); }

@@ -1,5 +1,6 @@
 #include "bridges/process/health.h"
 
+#include <algorithm>
 #include <chrono>
 #include <string_view>
 
@@ -54,6 +55,7 @@ Health without_measures(Health health) {
 
 Health health_of(const Plant& plant) {
   Health health{.ts = canopen::wall_now(), .drives = plant.size(), .online = plant.online()};
+  health.in_service = static_cast<std::size_t>(std::ranges::count(plant.model().drives, true, &config::Drive::enabled));
   for (std::size_t i = 0; i < plant.model().buses.size(); ++i) {
     const config::Bus& bus = plant.model().buses[i];
     BusHealth& shown = health.buses.emplace_back();
@@ -64,6 +66,11 @@ Health health_of(const Plant& plant) {
     }
   }
   return health;
+}
+
+bool is_well(const Health& health) {
+  const auto is_up = [](const BusHealth& bus) { return canopen::BusState{.condition = bus.condition}.up(); };
+  return std::ranges::all_of(health.buses, is_up) && (health.in_service == 0 || health.online > 0);
 }
 
 bool differs(const Health& one, const Health& other) {

@@ -50,6 +50,7 @@ struct Health {
   ProgramHealth program{};
   std::vector<BusHealth> buses{};
   std::size_t drives = 0;
+  std::size_t in_service = 0;            ///< Drives; not shown.
   std::size_t online = 0;                ///< Drives.
   std::optional<BrokerHealth> broker{};  ///< Nothing: MQTT is off.
   friend bool operator==(const Health&, const Health&) = default;
@@ -60,6 +61,10 @@ struct Health {
 
 /// Something other than the time, the uptime, loads and the memory is different.
 [[nodiscard]] bool differs(const Health& one, const Health& other);
+
+/// The gateway does its work: every bus can carry frames, and of the drives in service one at least is online. A broker
+/// that is away takes nothing from Modbus, so it does not count.
+[[nodiscard]] bool is_well(const Health& health);
 
 /// `{"ts":"…Z","uptime":12,"buses":[{"name":"can0","state":"active","load":0.123}],…}`; see docs/MQTT.md.
 [[nodiscard]] std::string health_json(const Health& health);

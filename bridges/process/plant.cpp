@@ -35,6 +35,12 @@ class Plant::Body {
     }
   }
 
+  [[nodiscard]] Drive* find(std::string_view name) const noexcept {
+    const auto found =
+        std::ranges::find(drives, name, [](const auto& drive) -> const std::string& { return drive->model().name; });
+    return found == drives.end() ? nullptr : found->get();
+  }
+
   [[nodiscard]] std::vector<alarms::BusFinding> findings(std::size_t bus) const {
     alarms::BusView view{.state = lines[bus].state,
                          .own_node_id = model.buses[bus].node_id,
@@ -147,10 +153,11 @@ const Drive& Plant::drive(std::size_t index) const noexcept {
 }
 
 Drive* Plant::find(std::string_view name) noexcept {
-  const auto& drives = body_->drives;
-  const auto found =
-      std::find_if(drives.begin(), drives.end(), [=](const auto& drive) { return drive->model().name == name; });
-  return found == drives.end() ? nullptr : found->get();
+  return body_->find(name);
+}
+
+const Drive* Plant::find(std::string_view name) const noexcept {
+  return body_->find(name);
 }
 
 std::size_t Plant::online() const noexcept {

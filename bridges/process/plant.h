@@ -51,6 +51,7 @@ class Plant {
   [[nodiscard]] const Drive& drive(std::size_t index) const noexcept;
   /// Null where no drive has this name.
   [[nodiscard]] Drive* find(std::string_view name) noexcept;
+  [[nodiscard]] const Drive* find(std::string_view name) const noexcept;
   [[nodiscard]] std::size_t online() const noexcept;
   [[nodiscard]] std::size_t with_alarm() const noexcept;  ///< Drives with any active alarm.
 

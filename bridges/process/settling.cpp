@@ -31,7 +31,7 @@ void Settling::start() {
 
 // A long boot is no silence: it ends, and tells then. One that a boot-up broke off does not.
 void Settling::on_patience_over() {
-  const std::uint16_t boot_ups = node_.status().boot_ups;
+  const std::uint32_t boot_ups = node_.status().boot_ups;
   if (node_.arriving() && boot_ups_.value_or(boot_ups) == boot_ups) {
     boot_ups_ = boot_ups;
     patience_.arm(canopen::Clock::now() + kLook);

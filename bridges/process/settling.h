@@ -38,7 +38,7 @@ class Settling {
   const Image& image_;
   alarms::DriveAlarms& alarms_;
   canopen::WakeUp patience_;
-  std::optional<std::uint16_t> boot_ups_;  ///< When the patience ended beside a boot.
+  std::optional<std::uint32_t> boot_ups_;  ///< When the patience ended beside a boot.
   std::optional<canopen::TimePoint> operational_since_;
   bool settled_ = false;
 };

@@ -146,7 +146,7 @@ void Bus::go_down() {
 }
 
 void Bus::on_frames_lost(std::uint32_t count) {
-  statistics_.frames_lost = static_cast<std::uint16_t>(statistics_.frames_lost + count);
+  statistics_.frames_lost += count;
   queue_.on_frames_lost();
   service();
   loss_handlers_.call(count);

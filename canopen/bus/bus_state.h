@@ -35,10 +35,10 @@ struct BusTroubles {
 
 /// What one bus counted since the start.
 struct BusStatistics {
-  std::uint32_t frames_received = 0;  ///< Counters wrap.
-  std::uint32_t frames_sent = 0;      ///< Departed (echo seen).
-  std::uint16_t frames_lost = 0;
-  std::uint16_t bus_offs = 0;
+  std::uint64_t frames_received = 0;
+  std::uint64_t frames_sent = 0;  ///< Departed (echo seen).
+  std::uint32_t frames_lost = 0;
+  std::uint32_t bus_offs = 0;
   std::uint32_t bitrate = 0;                 ///< bit/s; 0: not known.
   std::uint16_t load_per_mille = 0;          ///< Of the last second; 0 without a bit rate.
   std::uint16_t highest_load_per_mille = 0;  ///< Of any second since the start.

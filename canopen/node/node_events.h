@@ -34,9 +34,9 @@ struct NodeStatus {
   HeldBack held_back = HeldBack::no;        ///< Of meaning beside `not_configured` only.
   std::optional<TimePoint> last_heartbeat;  ///< Heartbeat, boot-up or guarding answer.
   bool lost = false;           ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
-  std::uint16_t boot_ups = 0;  ///< Counters wrap.
-  std::uint16_t emergencies = 0;
-  std::uint16_t heartbeat_losses = 0;
+  std::uint32_t boot_ups = 0;
+  std::uint32_t emergencies = 0;
+  std::uint32_t heartbeat_losses = 0;
   std::uint32_t last_abort = 0;  ///< Of the newest SDO abort, 0: none.
   /// Whether another node has the same node id. With proof it takes no commands but stops.
   Doubled doubled = Doubled::no;

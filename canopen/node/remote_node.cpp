@@ -56,8 +56,10 @@ RemoteNode::RemoteNode(boost::asio::any_io_executor executor, Bus& bus, NodeSett
       expectation_(settings_.error_control.heartbeat_timeout),
       restart_(settings_.restart) {
   sdo_.on_second_answer([this](bool different) { doubled_.on_second_answer(different); });
-  sdo_.on_abort(
-      [this](std::uint32_t code) { change_status([code](NodeStatus& status) { status.last_abort = code; }); });
+  sdo_.on_abort([this](std::uint32_t code) {
+    aborts_.add(code);
+    change_status([code](NodeStatus& status) { status.last_abort = code; });
+  });
   sdo_.on_remark([this](std::string_view text) { events_.on_remark(std::string(text)); });
   tpdos_.reserve(settings_.tpdos.size());
   for (const PdoSettings& tpdo : settings_.tpdos) {

@@ -26,6 +26,7 @@
 #include "canopen/node/outputs.h"
 #include "canopen/node/pdo.h"
 #include "canopen/node/restart.h"
+#include "canopen/sdo/abort_counts.h"
 #include "canopen/sdo/client.h"
 #include "canopen/sdo/stop_limit.h"
 
@@ -104,6 +105,8 @@ class RemoteNode {
   void hurry_stop(StopLimit& limit, TimePoint deadline) { sdo_.hurry_stop(limit, deadline); }
   /// The longest that this node took to confirm one of its newest writes.
   [[nodiscard]] Duration write_time() const noexcept { return sdo_.write_time(); }
+  /// How often the node refused an SDO transfer since the start.
+  [[nodiscard]] const AbortCounts& sdo_aborts() const noexcept { return aborts_; }
   /// The command under way, by RPDO or SDO, never leaves where it has not left yet.
   void withdraw_command();
   /// A command of `object` goes by SDO now: an RPDO that is repeated must not undo it meanwhile.
@@ -235,6 +238,7 @@ class RemoteNode {
   Event changed_;  ///< Something was heard or asked for, or the life is over.
   Event ended_;    ///< The coroutine or an operation ended.
   SdoClient sdo_;
+  AbortCounts aborts_;
   Outputs outputs_;
   HeartbeatConsumer watch_;  ///< Of whatever tells that it lives.
   NodeGuarding guarding_;

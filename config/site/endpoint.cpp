@@ -50,6 +50,12 @@ bool is_host(std::string_view host) {
          dotted.find("-.") == std::string::npos;
 }
 
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return text;
+}
+
 /// One without a scope, which belongs to one machine.
 bool is_v6_host(std::string_view host) {
   error_code failed;
@@ -180,25 +186,42 @@ std::optional<Endpoint> parse_endpoint(std::string_view text) {
   }
   // One spelling of every host, so that equal ones are found equal.
   std::string plain = bracketed ? ip::make_address_v6(std::string(host)).to_string() : std::string(host);
-  std::transform(plain.begin(), plain.end(), plain.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return Endpoint{.host = std::move(plain), .port = static_cast<std::uint16_t>(*port)};
+  return Endpoint{.host = lower(std::move(plain)), .port = static_cast<std::uint16_t>(*port)};
 }
 
-Form<Endpoint> endpoint() {
+Form<Endpoint> endpoint(std::uint16_t port) {
+  return {
+      .type = "string",
+      .read = [port = std::to_string(port)](const Node& node, const Complaint& complain) -> std::optional<Endpoint> {
+        if (!expect(node, NodeKind::text, complain, "\"0.0.0.0:" + port + "\"")) {
+          return std::nullopt;
+        }
+        auto value = parse_endpoint(node.text);
+        if (!value.has_value()) {
+          complain.value(node.place, in_quotes(node.text) + " must be an address and a port, such as \"0.0.0.0:" +
+                                         port + "\" or \"[::]:" + port + "\"");
+        }
+        return value;
+      },
+      .show = shown};
+}
+
+Form<std::string> host() {
   return {.type = "string",
-          .read = [](const Node& node, const Complaint& complain) -> std::optional<Endpoint> {
-            if (!expect(node, NodeKind::text, complain, "\"0.0.0.0:502\"")) {
+          .read = [](const Node& node, const Complaint& complain) -> std::optional<std::string> {
+            if (!expect(node, NodeKind::text, complain, "\"line3.plant.example\"")) {
               return std::nullopt;
             }
-            auto value = parse_endpoint(node.text);
-            if (!value.has_value()) {
+            const bool v6 = is_v6_host(node.text);
+            if (!v6 && !is_host(node.text)) {
               complain.value(node.place, in_quotes(node.text) +
-                                             " must be an address and a port, such as \"0.0.0.0:502\" or \"[::]:502\"");
+                                             " must be a host name or a numeric address, without a port, such as "
+                                             "\"line3.plant.example\"");
+              return std::nullopt;
             }
-            return value;
+            return v6 ? ip::make_address_v6(node.text).to_string() : lower(node.text);
           },
-          .show = shown};
+          .show = [](const std::string& host) { return host; }};
 }
 
 Form<Endpoint> broker() {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "config/model.h"
@@ -12,7 +14,10 @@ namespace config {
 /// broadcast addresses and IPv4 in the clothes of IPv6 are none. Names in lower case.
 [[nodiscard]] std::optional<Endpoint> parse_endpoint(std::string_view text);
 
-[[nodiscard]] Form<Endpoint> endpoint();
+/// `port`: of the example in its complaint.
+[[nodiscard]] Form<Endpoint> endpoint(std::uint16_t port = 502);
+/// `line3.plant.example`, or a numeric address; without a port. In lower case, addresses in their one spelling.
+[[nodiscard]] Form<std::string> host();
 /// `mqtt://HOST:PORT`, or `mqtts://HOST:PORT` for TLS
 [[nodiscard]] Form<Endpoint> broker();
 /// `10.0.0.0/8`, `::1/128`, or one address; without bits beyond its prefix, and no IPv4 in the clothes of IPv6.

@@ -19,6 +19,8 @@ namespace config {
 /// see whether there is one, only `with_secrets`.
 [[nodiscard]] std::optional<Mqtt> read_mqtt(const Node& root, const std::filesystem::path& directory, bool with_secrets,
                                             Report& report);
+/// `modbus`: what listens already.
+[[nodiscard]] std::optional<Http> read_http(const Node& root, const std::optional<Modbus>& modbus, Report& report);
 /// What must differ from drive to drive: names, node ids, Modbus units and places on the flat one, COB-IDs.
 void check_drives(const Model& model, const Node& root, Report& report);
 /// Warns of buses that are forecast to be too busy.

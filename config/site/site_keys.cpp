@@ -13,6 +13,7 @@ using std::chrono::milliseconds;
 using std::chrono::minutes;
 using std::chrono::seconds;
 
+constexpr std::uint16_t kHttpPort = 9464;
 constexpr hours kDay(24);
 constexpr hours kWeek(7 * 24);
 
@@ -21,16 +22,6 @@ constexpr std::size_t kLongestSocket = 107;
 
 /// What stands in a table that is only checked, or not even that yet.
 struct Nothing {};
-
-const SectionOf<Nothing>& http_section() {
-  using Field = KeyOf<Nothing>;
-  static const SectionOf<Nothing> section(
-      "[http]", {Field::later("listen", "string", "127.0.0.1:9464", "Address to listen on; read-only, loopback alone."),
-                 Field::later("read_from", "list of strings", "[\"127.0.0.0/8\", \"::1/128\"]",
-                              "Networks whose clients may read."),
-                 Field::later("hosts", "list of strings", "[]", "Further Host names that are answered.")});
-  return section;
-}
 
 const SectionOf<Nothing>& recorder_section() {
   using Field = KeyOf<Nothing>;
@@ -163,6 +154,19 @@ const SectionOf<Mqtt>& mqtt_section() {
   return section;
 }
 
+const SectionOf<Http>& http_section() {
+  using Field = KeyOf<Http>;
+  static const SectionOf<Http> section(
+      "[http]",
+      {Field("listen", &Http::listen, endpoint(kHttpPort),
+             "Address to listen on. What is shown there, nobody can change."),
+       Field("read_from", &Http::read_from, list("list of strings", network()), "Networks whose clients may read."),
+       Field("hosts", &Http::hosts, list("list of strings", host()),
+             "Further names of this machine, as they stand in the address line of a browser. `localhost` and the "
+             "machine's addresses are always answered.")});
+  return section;
+}
+
 const Section& site_section() {
   using Field = KeyOf<Nothing>;
   const auto table = [](std::string_view name, const Section& section, std::string_view meaning) {
@@ -175,7 +179,7 @@ const Section& site_section() {
       "The file",
       {table("gateway", gateway_section(), "The gateway itself."), tables("bus", bus_section(), "The CAN buses."),
        table("modbus", modbus_section(), "The Modbus TCP server."), table("mqtt", mqtt_section(), "The MQTT client."),
-       Field::later("http", "table", "off", "Metrics.", &http_section()),
+       table("http", http_section(), "The HTTP server: metrics, health, an API that only shows."),
        Field::later("recorder", "table", "off", "Frames around an alarm.", &recorder_section()),
        tables("drive", drive_section(), "The drives.")});
   return section;

@@ -11,6 +11,7 @@ namespace config {
 [[nodiscard]] const SectionOf<Bus>& bus_section();
 [[nodiscard]] const SectionOf<Modbus>& modbus_section();
 [[nodiscard]] const SectionOf<Mqtt>& mqtt_section();
+[[nodiscard]] const SectionOf<Http>& http_section();
 
 /// `exception`, `hold`, `zero`
 [[nodiscard]] Form<OnStale> on_stale_form();

@@ -106,7 +106,9 @@ void append_bus(std::string& out, const process::Plant& plant, std::size_t index
   object.close();
 }
 
-void append_drive(std::string& out, const process::Plant& plant, std::size_t index, canopen::TimePoint now) {
+}  // namespace
+
+void append_drive_status(std::string& out, const process::Plant& plant, std::size_t index, canopen::TimePoint now) {
   const process::Drive& drive = plant.drive(index);
   const canopen::NodeStatus& status = drive.status();
   ObjectText object(out);
@@ -131,8 +133,6 @@ void append_drive(std::string& out, const process::Plant& plant, std::size_t ind
   object.close();
 }
 
-}  // namespace
-
 std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
   std::string out;
   ObjectText object(out);
@@ -143,7 +143,7 @@ std::string status_json(const process::Plant& plant, canopen::TimePoint started,
   text::append_list(object.key("buses"), std::views::iota(std::size_t{0}, plant.model().buses.size()),
                     [&plant](std::string& to, std::size_t i) { append_bus(to, plant, i); });
   text::append_list(object.key("drives"), std::views::iota(std::size_t{0}, plant.size()),
-                    [&](std::string& to, std::size_t i) { append_drive(to, plant, i, now); });
+                    [&](std::string& to, std::size_t i) { append_drive_status(to, plant, i, now); });
   object.close();
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "bridges/process/plant.h"
@@ -10,5 +11,8 @@ namespace gateway::control {
 /// What `status` tells, as one JSON object: the gateway, its buses, its drives with their values, what was commanded,
 /// and the alarms that are active. Numbers in engineering units, times in seconds, loads in percent.
 [[nodiscard]] std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now);
+
+/// The part of it that is about one drive.
+void append_drive_status(std::string& out, const process::Plant& plant, std::size_t index, canopen::TimePoint now);
 
 }  // namespace gateway::control

@@ -123,7 +123,7 @@ class HandTurnedSite {
   }
   void turn_gateway() { loop_.poll(); }
   [[nodiscard]] bool online() { return gateway_.plant().online() == model_.drives.size(); }
-  [[nodiscard]] std::uint32_t received() { return gateway_.plant().bus_statistics(0).frames_received; }
+  [[nodiscard]] std::uint64_t received() { return gateway_.plant().bus_statistics(0).frames_received; }
   [[nodiscard]] std::uint32_t lost() { return gateway_.plant().bus_statistics(0).frames_lost; }
   [[nodiscard]] process::Plant& plant() { return gateway_.plant(); }
 

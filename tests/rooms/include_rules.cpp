@@ -27,6 +27,8 @@ constexpr std::array<std::string_view, 7> kConfig{
 // A thread that waits for the disk, and how times and texts are written and read: they know nothing of the field.
 constexpr std::array<std::string_view, 1> kDisk{"canopen/clock.h"};
 constexpr std::array<std::string_view, 3> kText{"canopen/clock.h", "canopen/error.h", "canopen/hex.h"};
+// Listening on TCP, for whatever protocol.
+constexpr std::array<std::string_view, 2> kNet{"canopen/clock.h", "config/model.h"};
 // Which errors are active and what they are called: plain values in and out. What is kept of them waits for a disk.
 constexpr std::array<std::string_view, 10> kAlarms{
     "bridges/disk/",          "canopen/event.h", "canopen/wake_up.h",
@@ -53,9 +55,12 @@ constexpr std::array<std::string_view, 19> kProcess{"bridges/text/",
                                                     "canopen/event.h",
                                                     "canopen/wake_up.h",
                                                     "canopen/hex.h"};
-constexpr std::array<std::string_view, 9> kBridge{"config/address_map.h", "bridges/text/",    "bridges/alarms/",
-                                                  "bridges/process/",     "config/model.h",   "canopen/clock.h",
-                                                  "canopen/error.h",      "canopen/object.h", "canopen/hex.h"};
+constexpr std::array<std::string_view, 10> kModbus{
+    "config/address_map.h", "bridges/net/",    "bridges/text/",   "bridges/alarms/",  "bridges/process/",
+    "config/model.h",       "canopen/clock.h", "canopen/error.h", "canopen/object.h", "canopen/hex.h"};
+constexpr std::array<std::string_view, 9> kMqtt{"config/address_map.h", "bridges/text/",    "bridges/alarms/",
+                                                "bridges/process/",     "config/model.h",   "canopen/clock.h",
+                                                "canopen/error.h",      "canopen/object.h", "canopen/hex.h"};
 // What is commanded, as `bridges/process` hands it over, and how it waits.
 constexpr std::array<std::string_view, 11> kJournal{
     "bridges/disk/",   "bridges/text/", "bridges/process/", "config/model.h",   "canopen/clock.h",  "canopen/error.h",
@@ -68,18 +73,19 @@ constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/bus/virtual_link.h",
                                                      "canopen/bus/socketcan/socketcan_link.h"};
 // The only one that knows the loader.
-constexpr std::array<std::string_view, 10> kDaemon{
-    "bridges/disk/",    "canopen/",        "config/",       "bridges/text/",    "bridges/alarms/",
+constexpr std::array<std::string_view, 11> kDaemon{
+    "bridges/disk/",    "canopen/",        "config/",       "bridges/text/",    "bridges/net/", "bridges/alarms/",
     "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/", "simulator/"};
 
-constexpr std::array<Room, 11> kRooms{{{"canopen/", {}},
+constexpr std::array<Room, 12> kRooms{{{"canopen/", {}},
                                        {"config/", kConfig},
                                        {"bridges/disk/", kDisk},
                                        {"bridges/text/", kText},
+                                       {"bridges/net/", kNet},
                                        {"bridges/alarms/", kAlarms},
                                        {"bridges/process/", kProcess},
-                                       {"bridges/modbus/", kBridge},
-                                       {"bridges/mqtt/", kBridge},
+                                       {"bridges/modbus/", kModbus},
+                                       {"bridges/mqtt/", kMqtt},
                                        {"bridges/journal/", kJournal},
                                        {"simulator/", kSimulator},
                                        {"daemon/", kDaemon}}};

@@ -151,7 +151,7 @@ TEST_P(Stall, LosesNobodyWhoseHeartbeatWaitsAndKeepsReceiveTimesTrue) {
   for (const auto& drive : drives_) {
     EXPECT_FALSE(drive->lost_at);
     EXPECT_TRUE(drive->node().status().online);
-    EXPECT_EQ(drive->node().status().heartbeat_losses, 0);
+    EXPECT_EQ(drive->node().status().heartbeat_losses, 0U);
     EXPECT_GE(drive->tpdos, static_cast<std::size_t>((GetParam() + 3s) / kTpdoPeriod));
     EXPECT_LE(drive->worst_error, 5U);
   }

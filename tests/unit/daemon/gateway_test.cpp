@@ -23,6 +23,7 @@ class GatewayTest : public testing::Test {
   GatewayTest() {
     model_.modbus.reset();
     model_.mqtt.reset();
+    model_.http.reset();
   }
 
   /// Whether there is an alarm of the bus soon after a start.

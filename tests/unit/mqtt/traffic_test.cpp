@@ -132,6 +132,15 @@ TEST_F(TrafficTest, WhatIsTooLongIsDroppedAndSaidOnceForEachTopic) {
   EXPECT_EQ(said_.size(), 1U);
 }
 
+TEST_F(TrafficTest, WhatTheBrokerHasIsCounted) {
+  push({value("a", "1"), value("b", "1"), value("c", "1")});
+  const auto sent = send();
+  acknowledge(sent.at(0));
+  acknowledge(sent.at(1), Delivery::refused, 0x87);
+  acknowledge(sent.at(2), Delivery::failed);
+  EXPECT_EQ(traffic_.counts().published, 1U);
+}
+
 TEST_F(TrafficTest, WhatTheBrokerRefusesIsCountedAndSaidOnceForEachCode) {
   push({value("a", "1"), value("b", "1"), value("c", "1")});
   const auto sent = send();

@@ -1,0 +1,18 @@
+#include <string>
+#include <vector>
+
+#include "daemon/http/respond.h"
+
+namespace gateway::http {
+
+Answer history(const Site& site, const Target& target) {
+  const std::string* const name = target.find("drive");
+  const process::Drive* const found = name == nullptr ? nullptr : site.plant.find(*name);
+  if (found == nullptr) {
+    const std::string why = name == nullptr ? "which drive? write ?drive=NAME" : "there is no drive \"" + *name + "\"";
+    return refusal(name == nullptr ? 400 : 404, why, "drives", drive_names(site.plant.model()));
+  }
+  return {.body = site.history(found->index())};
+}
+
+}  // namespace gateway::http

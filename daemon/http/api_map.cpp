@@ -1,0 +1,9 @@
+#include "daemon/http/respond.h"
+
+namespace gateway::http {
+
+Answer map(const Site& site) {
+  return {.lasting = &site.map};
+}
+
+}  // namespace gateway::http

@@ -1,0 +1,53 @@
+#include "daemon/http/command_tally.h"
+
+#include <algorithm>
+
+#include "bridges/process/answer.h"
+#include "bridges/process/drive.h"
+
+namespace gateway::http {
+
+void CommandTally::on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
+
+void CommandTally::on_freshness(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
+
+void CommandTally::on_commanded(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) {}
+
+void CommandTally::on_command_done(const process::Drive& drive, const process::CommandRecord& record,
+                                   const process::Outcome& outcome) {
+  Tally& tally = tallies_[{drive.index(), record.writer.way}];
+  if (outcome.has_error()) {
+    ++tally.outcomes[process::answer_of(outcome.error().kind).mqtt_code];
+    return;
+  }
+  ++tally.outcomes["ok"];
+  ++tally.confirmed;
+  const canopen::Duration took = canopen::Clock::now() - record.arrived;
+  tally.took += took;
+  const auto* const bound = std::ranges::lower_bound(kBounds, took);
+  if (bound != kBounds.end()) {
+    ++tally.within.at(static_cast<std::size_t>(bound - kBounds.begin()));
+  }
+}
+
+void CommandTally::on_status(const process::Drive& /*drive*/) {}
+
+void CommandTally::on_alarm(const process::Drive& /*drive*/, alarms::AlarmKind /*kind*/) {}
+
+void CommandTally::on_bus(std::size_t /*bus*/) {}
+
+std::string_view name_of(process::Writer::Way way) noexcept {
+  switch (way) {
+    case process::Writer::Way::modbus:
+      return "modbus";
+    case process::Writer::Way::mqtt:
+      return "mqtt";
+    case process::Writer::Way::gateway:
+      return "gateway";
+    case process::Writer::Way::local:
+      break;
+  }
+  return "local";
+}
+
+}  // namespace gateway::http

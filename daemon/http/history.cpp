@@ -1,0 +1,116 @@
+#include "daemon/http/history.h"
+
+#include <algorithm>
+#include <boost/system/error_code.hpp>
+#include <chrono>
+#include <limits>
+
+#include "bridges/text/json_text.h"
+#include "bridges/text/timestamp.h"
+#include "canopen/object.h"
+
+namespace gateway::http {
+namespace {
+
+// The shortest digits of a float, some seven at most.
+void append_sample(std::string& out, float value) {
+  if (!text::append_number(out, value)) {
+    out += "null";
+  }
+}
+
+}  // namespace
+
+History::History(const boost::asio::any_io_executor& executor, const process::Plant& plant)
+    : plant_(plant), timer_(executor) {
+  std::size_t bytes_of_row = 0;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    Trend& trend = trends_.emplace_back();
+    const config::Drive& model = plant.drive(i).model();
+    for (std::size_t signal = 0; signal < model.signals.size(); ++signal) {
+      if (config::readable(model.signals[signal].access)) {
+        trend.signals.push_back(static_cast<process::SignalId>(signal));
+      }
+    }
+    bytes_of_row += trend.signals.size() * sizeof(float);
+  }
+  rows_ = std::clamp<std::size_t>(kMostBytes / std::max<std::size_t>(bytes_of_row, 1), 1, kSamples);
+  times_.resize(rows_);
+  for (Trend& trend : trends_) {
+    trend.values.resize(rows_ * trend.signals.size());
+  }
+}
+
+void History::start() {
+  timer_.expires_after(kPeriod);
+  arm();
+}
+
+void History::stop() {
+  timer_.cancel();
+}
+
+// From one expiry to the next: late turns of the loop add nothing up.
+void History::arm() {
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) {
+      return;
+    }
+    sample();
+    const canopen::TimePoint next = timer_.expiry() + kPeriod;
+    timer_.expires_at(std::max(next, canopen::Clock::now()));
+    arm();
+  });
+}
+
+void History::sample() {
+  const canopen::TimePoint now = canopen::Clock::now();
+  const std::size_t at = static_cast<std::size_t>(taken_ % rows_);
+  times_[at] = canopen::wall_now();
+  for (std::size_t i = 0; i < trends_.size(); ++i) {
+    const process::Drive& drive = plant_.drive(i);
+    Trend& trend = trends_[i];
+    for (std::size_t k = 0; k < trend.signals.size(); ++k) {
+      const process::SignalId id = trend.signals[k];
+      const config::Signal& signal = drive.model().signals[id];
+      trend.values[at * trend.signals.size() + k] =
+          drive.image().fresh(id, now)
+              ? static_cast<float>(canopen::to_number(signal.type, drive.image().raw(id)) * signal.scale)
+              : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  ++taken_;
+}
+
+void History::append_row(std::string& out, const Trend& trend, std::size_t row) const {
+  out += '[';
+  text::append_quoted(out, text::timestamp(times_[row]));
+  for (std::size_t k = 0; k < trend.signals.size(); ++k) {
+    out += ',';
+    append_sample(out, trend.values[row * trend.signals.size() + k]);
+  }
+  out += ']';
+}
+
+std::string History::json(std::size_t drive) const {
+  const Trend& trend = trends_[drive];
+  const config::Drive& model = plant_.drive(drive).model();
+  std::string out;
+  text::ObjectText object(out);
+  object.text("drive", model.name);
+  object.integer("period", std::chrono::floor<std::chrono::seconds>(kPeriod).count());
+  text::append_list(object.key("signals"), trend.signals, [&model](std::string& to, process::SignalId id) {
+    text::append_quoted(to, model.signals[id].name);
+  });
+  std::string& samples = object.key("samples") += '[';
+  const auto kept = static_cast<std::size_t>(std::min<std::uint64_t>(taken_, rows_));
+  for (std::size_t age = kept; age-- > 0;) {
+    samples += age + 1 == kept ? "" : ",";
+    append_row(samples, trend, static_cast<std::size_t>((taken_ - 1 - age) % rows_));
+  }
+  samples += ']';
+  object.close();
+  return out;
+}
+
+}  // namespace gateway::http

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bridges/process/plant.h"
+#include "canopen/clock.h"
+
+namespace gateway::http {
+
+/// The values of the last ten minutes, a sample each second: for trend lines.
+class History {
+ public:
+  static constexpr std::size_t kSamples = 600;
+  static constexpr canopen::Duration kPeriod = std::chrono::seconds(1);
+  /// Of all drives together. Where they have more signals than that holds for ten minutes, the time is shorter.
+  static constexpr std::size_t kMostBytes = 32UL * 1024 * 1024;
+
+  /// The plant outlives it.
+  History(const boost::asio::any_io_executor& executor, const process::Plant& plant);
+
+  void start();
+  void stop();
+  /// `{"drive":"pump1","period":1,"signals":["output_frequency"],"samples":[["…Z",49.97],["…Z",null]]}`, oldest first,
+  /// engineering units, booleans as 0 and 1; null where the value was not fresh.
+  [[nodiscard]] std::string json(std::size_t drive) const;
+
+ private:
+  /// One drive: its signals, and a ring of their values.
+  struct Trend {
+    std::vector<process::SignalId> signals;  ///< Readable, and a number.
+    std::vector<float> values;               ///< Row by row.
+  };
+
+  void sample();
+  void arm();
+  void append_row(std::string& out, const Trend& trend, std::size_t row) const;
+
+  const process::Plant& plant_;
+  canopen::Timer timer_;
+  std::vector<Trend> trends_;
+  std::size_t rows_ = kSamples;           ///< Kept of each drive.
+  std::vector<canopen::WallTime> times_;  ///< By row.
+  std::uint64_t taken_ = 0;               ///< Samples since the start.
+};
+
+}  // namespace gateway::http

@@ -1,0 +1,92 @@
+#include "daemon/http/live.h"
+
+#include "bridges/process/drive.h"
+#include "daemon/control/status_json.h"
+#include "daemon/http/alarm_list.h"
+
+namespace gateway::http {
+
+Live::Live(const process::Plant& plant) : plant_(plant), drives_(plant.size()) {
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    drives_[i].values.resize(plant.drive(i).model().signals.size());
+  }
+}
+
+void Live::append_event(std::string& out, std::string_view name, std::string_view json) {
+  out.append("event: ").append(name).append("\ndata: ").append(json).append("\n\n");
+}
+
+void Live::append_rest(std::string& out, Place& place) {
+  if (place.alarms < alarms_) {
+    append_event(out, "alarms", active_alarms_text(plant_));
+    place.alarms = alarms_;
+  }
+  for (std::size_t i = 0; i < drives_.size() && out.size() < kMostBytes; ++i) {
+    const std::size_t drive = place.next;
+    place.next = (place.next + 1) % drives_.size();
+    if (place.drives[drive] < drives_[drive].changed) {
+      append_event(out, "drive", word(drive));
+      place.drives[drive] = drives_[drive].changed;
+    }
+  }
+}
+
+const std::string& Live::word(std::size_t drive) {
+  Shown& shown = drives_[drive];
+  if (shown.worded < shown.changed) {
+    shown.text.clear();
+    control::append_drive_status(shown.text, plant_, drive, canopen::Clock::now());
+    shown.worded = shown.changed;
+  }
+  return shown.text;
+}
+
+// A value that comes again as it was is no change.
+void Live::on_values(const process::Drive& drive, std::span<const process::SignalId> signals) {
+  Shown& shown = drives_[drive.index()];
+  bool differs = false;
+  for (const process::SignalId signal : signals) {
+    const canopen::Raw raw = drive.image().raw(signal);
+    if (shown.values[signal] != raw) {
+      shown.values[signal] = raw;
+      differs = true;
+    }
+  }
+  shown.changed += differs ? 1 : 0;
+}
+
+void Live::on_freshness(const process::Drive& drive, std::span<const process::SignalId> signals) {
+  Shown& shown = drives_[drive.index()];
+  for (const process::SignalId signal : signals) {
+    shown.values[signal].reset();
+  }
+  ++shown.changed;
+}
+
+void Live::on_commanded(const process::Drive& drive, std::span<const process::SignalId> /*signals*/) {
+  ++drives_[drive.index()].changed;
+}
+
+void Live::on_control(const process::Drive& drive) {
+  ++drives_[drive.index()].changed;
+}
+
+void Live::on_status(const process::Drive& drive) {
+  ++drives_[drive.index()].changed;
+  ++health_;
+}
+
+void Live::on_alarm(const process::Drive& drive, alarms::AlarmKind /*kind*/) {
+  ++drives_[drive.index()].changed;
+  ++alarms_;
+}
+
+void Live::on_bus(std::size_t /*bus*/) {
+  ++health_;
+}
+
+void Live::on_bus_alarm(std::size_t /*bus*/) {
+  ++alarms_;
+}
+
+}  // namespace gateway::http

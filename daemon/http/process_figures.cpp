@@ -1,0 +1,84 @@
+#include "daemon/http/process_figures.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+namespace gateway::http {
+namespace {
+
+std::string read_all(const char* path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// When the machine started: the line `btime 1767323045`.
+double boot_time() {
+  std::istringstream stat(read_all("/proc/stat"));
+  for (std::string line; std::getline(stat, line);) {
+    if (line.starts_with("btime ")) {
+      return std::stod(line.substr(6));
+    }
+  }
+  return 0;
+}
+
+std::uint64_t count_descriptors() {
+  std::error_code failed;
+  std::uint64_t count = 0;
+  std::filesystem::directory_iterator entries("/proc/self/fd", failed);
+  for (const auto end = std::filesystem::directory_iterator(); !failed && entries != end; entries.increment(failed)) {
+    ++count;
+  }
+  return count > 0 ? count - 1 : 0;  // but for the one that looks
+}
+
+// The fields behind the name, which may hold blanks and brackets: the first of them is the third of the file.
+void read_stat(ProcessFigures& figures) {
+  const std::string text = read_all("/proc/self/stat");
+  const std::size_t name_end = text.rfind(')');
+  if (name_end == std::string::npos) {
+    return;
+  }
+  std::istringstream fields(text.substr(name_end + 1));
+  std::string skipped;
+  for (int field = 3; field < 14; ++field) {
+    fields >> skipped;
+  }
+  double user = 0;
+  double system = 0;
+  fields >> user >> system;
+  for (int field = 16; field < 22; ++field) {
+    fields >> skipped;
+  }
+  double started = 0;
+  std::uint64_t pages = 0;
+  fields >> started >> figures.virtual_bytes >> pages;
+  if (fields) {
+    const auto ticks = static_cast<double>(::sysconf(_SC_CLK_TCK));
+    figures.cpu_seconds = (user + system) / ticks;
+    figures.start_time = boot_time() + started / ticks;
+    figures.resident_bytes = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  }
+}
+
+}  // namespace
+
+ProcessFigures process_figures() {
+  ProcessFigures figures;
+  read_stat(figures);
+  figures.open_descriptors = count_descriptors();
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) == 0) {
+    figures.max_descriptors = limit.rlim_cur;
+  }
+  return figures;
+}
+
+}  // namespace gateway::http

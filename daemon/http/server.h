@@ -1,0 +1,67 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+
+#include "bridges/net/access_list.h"
+#include "bridges/net/connection_log.h"
+#include "bridges/net/listener.h"
+#include "canopen/clock.h"
+#include "config/model.h"
+#include "daemon/http/connection.h"
+#include "daemon/http/site.h"
+
+namespace gateway::http {
+
+/// The HTTP server: shows what `respond` says, and takes no command. One loop, one thread.
+class Server {
+ public:
+  /// Connections at a time. Each takes some 16 kB, and what waits for all of them WaitingBytes::kMost at most.
+  static constexpr std::size_t kMaxClients = 256;
+
+  using Respond = std::function<Answer(const Request&)>;
+
+  /// `settings` outlives the server. Throws std::runtime_error for address ranges that are none.
+  Server(boost::asio::any_io_executor executor, const config::Http& settings, Respond respond, LiveSource live,
+         net::Notices notices);
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Listens. Never fails; what cannot be opened yet is told and tried again.
+  void start();
+  void close();
+  /// The same; returns when no coroutine of it is left.
+  boost::asio::awaitable<void> stop();
+
+  /// 0 while nothing listens.
+  [[nodiscard]] std::uint16_t port() const { return listener_.port(); }
+  [[nodiscard]] const HttpFigures& figures();
+
+ private:
+  void take(boost::asio::ip::tcp::socket socket, bool last);
+  [[nodiscard]] const char* refusal(const boost::asio::ip::address& address, bool last);
+  void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
+  boost::asio::awaitable<void> keep_house();
+  void spawn(boost::asio::awaitable<void> work);
+  void on_end();
+
+  boost::asio::any_io_executor executor_;
+  net::AccessList readers_;
+  net::ConnectionLog log_;
+  Shared shared_;
+  std::list<Connection> clients_;
+  net::Listener::Owner owner_;
+  net::Listener listener_;
+  canopen::Timer housekeeping_;
+  canopen::Timer all_ended_;
+  HttpFigures figures_;
+  std::size_t running_ = 0;  ///< Coroutines.
+  bool stopping_ = false;
+};
+
+}  // namespace gateway::http

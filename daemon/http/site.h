@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "bridges/modbus/counts.h"
+#include "bridges/mqtt/broker.h"
+#include "bridges/process/health.h"
+#include "bridges/process/plant.h"
+#include "daemon/http/command_tally.h"
+#include "daemon/http/process_figures.h"
+
+namespace gateway::http {
+
+struct ModbusFigures {
+  std::size_t clients = 0;
+  std::uint64_t refused = 0;  ///< Connections.
+  modbus::Counts counts{};
+};
+
+struct MqttFigures {
+  bool connected = false;
+  mqtt::BrokerCounts counts{};
+  std::uint64_t put_right = 0;  ///< Topics that others had overwritten.
+  std::size_t refused_subscriptions = 0;
+};
+
+struct JournalFigures {
+  std::uint64_t lost = 0;       ///< Lines that were never written.
+  std::uint64_t passed_by = 0;  ///< Commands that did not wait for their line.
+};
+
+/// Of this server itself.
+struct HttpFigures {
+  std::size_t clients = 0;
+  std::uint64_t refused = 0;                    ///< Connections.
+  std::map<unsigned, std::uint64_t> answers{};  ///< By status.
+};
+
+/// All that may be looked at. Nothing of it changes anything. What it points to outlives it; an empty function stands
+/// for what this gateway does not have.
+struct Site {
+  const process::Plant& plant;
+  const CommandTally& commands;
+  std::string version;
+  std::string map;  ///< As `map --format json` prints it.
+  std::function<process::Health()> health;
+  std::function<ProcessFigures()> process = process_figures;
+  std::function<ModbusFigures()> modbus{};
+  std::function<MqttFigures()> mqtt{};
+  std::function<std::string(std::size_t drive)> history{};  ///< See History::json(); always there.
+  std::function<JournalFigures()> journal{};
+  std::function<const std::deque<std::string>&()> journal_lines{};  ///< The newest, oldest first.
+  std::function<HttpFigures()> http{};
+};
+
+}  // namespace gateway::http

@@ -1,0 +1,135 @@
+#include "daemon/http/respond.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <boost/json/array.hpp>
+#include <boost/json/object.hpp>
+#include <string>
+
+#include "tests/unit/daemon/http/shown_plant.h"
+
+namespace gateway::http {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+class HttpRespond : public test::ShownPlant {};
+
+TEST_F(HttpRespond, NamesWhatThereIsWhereThereIsNothing) {
+  const Answer answer = get("/api/nothing");
+  EXPECT_EQ(answer.status, 404U);
+  EXPECT_EQ(answer.text(),
+            R"({"error":"there is no /api/nothing","resources":["/metrics","/health","/api/drives",)"
+            R"("/api/drives/NAME","/api/alarms","/api/map","/api/history","/api/live","/api/commands"]})");
+  EXPECT_EQ(get("/").status, 404U);
+  EXPECT_EQ(get("/api/drives/pump9").text(),
+            R"({"error":"there is no drive \"pump9\"","drives":["fan1","pump1","hoist1","mixer1"]})");
+  EXPECT_EQ(get("/api/drives/pump9").status, 404U);
+  EXPECT_EQ(get("/api/drives/").status, 404U);
+}
+
+TEST_F(HttpRespond, RefusesParametersThatMeanNothing) {
+  EXPECT_EQ(get("/health?verbose=1").status, 400U);
+  EXPECT_EQ(get("/api/commands?cuont=5").text(),
+            R"({"error":"/api/commands knows no parameter \"cuont\"","parameters":["count"]})");
+  EXPECT_EQ(get("/api/drives/pump1?x").status, 400U);
+}
+
+TEST_F(HttpRespond, HealthIsThatOfTheBrokerAndTellsAMonitor) {
+  const boost::json::object well = json("/health").as_object();
+  EXPECT_EQ(well.at("drives_online").as_int64(), 4);
+  EXPECT_EQ(well.at("buses").as_array().at(0).as_object().at("state").as_string(), "active");
+  EXPECT_EQ(get("/health").text(), process::health_json(gateway_.health()));
+  wire_.set_state({canopen::BusCondition::passive, 130, 0});
+  loop_.advance(10ms);
+  EXPECT_EQ(get("/health").status, 200U) << "it still carries frames";
+  wire_.set_state({canopen::BusCondition::bus_off, 0, 0});
+  loop_.advance(10ms);
+  EXPECT_EQ(get("/health").status, 503U);
+  EXPECT_THAT(get("/health").body, HasSubstr("\"state\":\"bus-off\""));
+}
+
+TEST(HttpHealth, WithoutADriveNothingIsWell) {
+  process::Health health{.buses = {{.name = "can0", .condition = canopen::BusCondition::error_active}}, .drives = 2};
+  EXPECT_TRUE(process::is_well(health)) << "no drive is in service";
+  health.in_service = 2;
+  EXPECT_FALSE(process::is_well(health));
+  health.online = 1;
+  EXPECT_TRUE(process::is_well(health));
+  health.buses.push_back({.name = "can1", .condition = canopen::BusCondition::down});
+  EXPECT_FALSE(process::is_well(health));
+}
+
+TEST_F(HttpRespond, DrivesAreShownWithTheirValues) {
+  const boost::json::array all = json("/api/drives").as_array();
+  ASSERT_EQ(all.size(), 4U);
+  const boost::json::object one = json("/api/drives/pump1").as_object();
+  EXPECT_EQ(one.at("name").as_string(), "pump1");
+  EXPECT_EQ(one.at("nmt").as_string(), "operational");
+  EXPECT_FALSE(one.at("values").as_object().at("running").as_bool());
+  EXPECT_EQ(all.at(1).as_object().at("node"), one.at("node"));
+}
+
+TEST_F(HttpRespond, AlarmsAreThoseThatAreActive) {
+  EXPECT_EQ(text("/api/alarms"), "[]");
+  drives_[1]->power_off();
+  loop_.advance(5s);
+  const boost::json::array active = json("/api/alarms").as_array();
+  ASSERT_EQ(active.size(), 1U);
+  EXPECT_EQ(active.at(0).as_object().at("drive").as_string(), "pump1");
+  EXPECT_EQ(active.at(0).as_object().at("kind").as_string(), "heartbeat");
+}
+
+TEST_F(HttpRespond, TheMapIsThatOfTheCommandLine) {
+  EXPECT_EQ(text("/api/map"), render_map_json(model_));
+  EXPECT_TRUE(get("/api/map").body.empty()) << "it is not copied for each client";
+}
+
+TEST_F(HttpRespond, TheHistoryIsThatOfADrive) {
+  EXPECT_EQ(json("/api/history?drive=pump1").as_object().at("drive").as_string(), "pump1");
+  EXPECT_EQ(get("/api/history").status, 400U);
+  EXPECT_EQ(get("/api/history?drive=pump9").text(),
+            R"({"error":"there is no drive \"pump9\"","drives":["fan1","pump1","hoist1","mixer1"]})");
+}
+
+TEST_F(HttpRespond, HistoryTakesASampleASecondForTenMinutes) {
+  history_.start();
+  loop_.advance(3s + 1ms);
+  drives_[1]->power_off();
+  loop_.advance(3s);
+  const boost::json::object told = json("/api/history?drive=pump1").as_object();
+  const boost::json::array& signals = told.at("signals").as_array();
+  const boost::json::array& samples = told.at("samples").as_array();
+  ASSERT_EQ(samples.size(), 6U);
+  ASSERT_EQ(samples.at(0).as_array().size(), signals.size() + 1);
+  const auto* const voltage = std::ranges::find(signals, "dc_bus_voltage");
+  ASSERT_NE(voltage, signals.end());
+  const auto at = static_cast<std::size_t>(voltage - signals.begin()) + 1;
+  EXPECT_GT(samples.at(0).as_array().at(at).to_number<double>(), 100.0) << "engineering units";
+  EXPECT_TRUE(samples.at(5).as_array().at(at).is_null()) << "it is not fresh any more";
+  EXPECT_LT(samples.at(0).as_array().at(0).as_string(), samples.at(1).as_array().at(0).as_string());
+  loop_.advance(700s, 100ms);
+  EXPECT_EQ(json("/api/history?drive=pump1").as_object().at("samples").as_array().size(), History::kSamples);
+  history_.stop();
+}
+
+TEST_F(HttpRespond, CommandsAreTheNewestLinesOfTheJournal) {
+  EXPECT_EQ(get("/api/commands").status, 404U);
+  EXPECT_THAT(std::string(get("/api/commands").text()), HasSubstr("state_dir is empty"));
+  site_.journal_lines = [this]() -> const std::deque<std::string>& { return journal_; };
+  EXPECT_EQ(text("/api/commands"), "[]");
+  for (int i = 1; i <= 60; ++i) {
+    journal_.push_back("{\"n\":" + std::to_string(i) + "}");
+  }
+  EXPECT_EQ(json("/api/commands").as_array().size(), 50U);
+  EXPECT_EQ(text("/api/commands?count=2"), R"([{"n":59},{"n":60}])");
+  for (const char* const bad : {"0", "201", "-1", "5x", "", "99999999999999999999"}) {
+    EXPECT_EQ(get("/api/commands?count=" + std::string(bad)).status, 400U) << bad;
+  }
+  EXPECT_EQ(get("/api/commands?count=x").text(), R"({"error":"count=\"x\": write a number from 1 to 200"})");
+}
+
+}  // namespace
+}  // namespace gateway::http

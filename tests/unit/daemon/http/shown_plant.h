@@ -1,0 +1,96 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <boost/json/parse.hpp>
+#include <deque>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/process/command.h"
+#include "canopen/bus/virtual_link.h"
+#include "daemon/gateway.h"
+#include "daemon/http/history.h"
+#include "daemon/http/live.h"
+#include "daemon/http/respond.h"
+#include "daemon/map.h"
+#include "simulator/drive.h"
+#include "simulator/network.h"
+#include "tests/support/hand_driven_loop.h"
+#include "tests/support/spawn.h"
+#include "tests/unit/daemon/demo_model.h"
+
+namespace gateway::http::test {
+
+using namespace std::chrono_literals;
+
+inline config::Model shown_model() {
+  config::Model model = gateway::test::demo_model();
+  model.modbus.reset();
+  model.mqtt.reset();
+  model.http.reset();
+  model.gateway.control.clear();
+  return model;
+}
+
+/// The demo's drives, and what HTTP shows of them.
+class ShownPlant : public testing::Test {
+ protected:
+  ShownPlant() {
+    for (const config::Drive& drive : model_.drives) {
+      drives_.push_back(simulator::make_drive(drive.profile, drive.node.node, network_, {}));
+    }
+    gateway_.plant().add(tally_);
+    gateway_.plant().add(live_);
+    gateway_.start();
+    network_.open();
+    for (const auto& drive : drives_) {
+      drive->power_on();
+    }
+    EXPECT_TRUE(loop_.advance_until([this] { return gateway_.plant().online() == drives_.size(); }, 10s));
+    loop_.advance(2s);
+  }
+  ~ShownPlant() override {
+    const auto stopped = support::spawn(loop_.executor(), gateway_.stop());
+    EXPECT_TRUE(loop_.advance_until([&] { return *stopped; }, 5s));
+  }
+
+  Answer get(std::string_view target) {
+    return respond({.target = std::get<Target>(parse_target(target)), .host = "localhost"}, site_);
+  }
+  std::string text(std::string_view target) {
+    const Answer answer = get(target);
+    EXPECT_EQ(answer.status, 200U) << target << ": " << answer.text();
+    return std::string(answer.text());
+  }
+  boost::json::value json(std::string_view target) { return boost::json::parse(text(target)); }
+  process::Outcome set(const char* drive, const char* signal, double value) {
+    process::Drive& asked = *gateway_.plant().find(drive);
+    const auto id = static_cast<process::SignalId>(asked.model().find(signal).value());
+    const auto outcome = support::spawn(
+        loop_.executor(), asked.write({.writer = {.way = process::Writer::Way::local, .address = {}}}, {{id, value}}));
+    EXPECT_TRUE(loop_.advance_until([&] { return outcome.done(); }, 5s));
+    return outcome.get();
+  }
+
+  support::HandDrivenLoop loop_;
+  config::Model model_ = shown_model();
+  canopen::VirtualBus wire_{loop_.executor()};
+  simulator::Network network_{loop_.executor(), wire_.connect()};
+  std::vector<std::unique_ptr<simulator::Drive>> drives_;
+  CommandTally tally_;
+  Gateway gateway_{loop_.executor(), model_, [this](const config::Bus&) { return wire_.connect(); }};
+  std::deque<std::string> journal_;
+  Live live_{gateway_.plant()};
+  History history_{loop_.executor(), gateway_.plant()};
+  Site site_{.plant = gateway_.plant(),
+             .commands = tally_,
+             .version = "1.2.3",
+             .map = render_map_json(model_),
+             .health = [this] { return gateway_.health(); },
+             .history = [this](std::size_t drive) { return history_.json(drive); }};
+};
+
+}  // namespace gateway::http::test
