@@ -46,7 +46,7 @@ export class Demo {
     fs.writeFileSync(path.join(demo.folder, 'site.toml'), await configure(port, await freePort()));
     demo.url = `http://127.0.0.1:${port}/`;
     demo.launch();
-    await until('the server answers', () => fetch(`${demo.url}health`).then(() => true, () => false));
+    await until('the server answers', () => fetch(`${demo.url}health`, { signal: AbortSignal.timeout(5000) }).then(() => true, () => false));
     return demo;
   }
 
@@ -70,7 +70,7 @@ export class Demo {
   }
 
   async get(target) {
-    return (await fetch(this.url + target)).json();
+    return (await fetch(this.url + target, { signal: AbortSignal.timeout(5000) })).json();
   }
 
   async end() {
