@@ -127,8 +127,9 @@ std::variant<Request, Refused> read_head(std::string_view head) {
 
 std::string word_head(const Answer& answer, bool keep_alive) {
   const auto reason = text_of(beast_http::obsolete_reason(beast_http::int_to_status(answer.status)));
-  std::string head = fmt::format("HTTP/1.1 {} {}\r\nDate: {}\r\nContent-Type: {}\r\nContent-Security-Policy: {}{}", answer.status, reason,
-                                 date_text(canopen::wall_now()), answer.type, answer.page ? kOwn : kNothing, kGuards);
+  std::string head =
+      fmt::format("HTTP/1.1 {} {}\r\nDate: {}\r\nContent-Type: {}\r\nContent-Security-Policy: {}{}", answer.status,
+                  reason, date_text(canopen::wall_now()), answer.type, answer.page ? kOwn : kNothing, kGuards);
   if (!answer.stream) {
     head += fmt::format("Content-Length: {}\r\n", answer.text().size());
   }

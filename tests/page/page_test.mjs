@@ -19,7 +19,9 @@ const card = (name) => page.locator(`#drive-${name}`);
 const value = (drive, signal) => card(drive).locator('dl.values > div', { has: page.locator(`dt:text-is("${signal}")`) })
   .locator('.value').textContent();
 const badge = (drive) => card(drive).locator('summary .badge').textContent();
-const alarmTexts = () => page.locator('#alarm-list > li').allInnerTexts();
+// Of one drive and kind: where the machine is busy there may be others, of late values.
+const alarms = (of, drive, kind) => of.locator('#alarm-list > li').filter({ has: of.getByText(drive, { exact: true }) })
+  .filter({ has: of.getByText(kind, { exact: true }) });
 const announced = () => page.locator('#announcer').textContent();
 const shot = (of, name) => shots && of.screenshot({ path: path.join(shots, `${name}.png`) });
 
@@ -46,7 +48,7 @@ test('it shows the plant', async () => {
   assert.equal(await page.locator('#summary').textContent(), '4 of 4 drives online');
   assert.match(await page.locator('#bus-rows tr').innerText(), /demo\s+virtual\s+active\s+\d+\.\d %/);
   assert.match(await page.locator('#client-lists').innerText(), /no connection/);
-  assert.equal(await page.locator('#no-alarm').textContent(), 'No alarm is active.');
+  assert.equal(await page.locator('#no-alarm').textContent(), 'No alarm is active.', 'hidden or not');
 });
 
 test('values move, and the command is told with its writer and outcome', async () => {
@@ -69,16 +71,17 @@ test('trend lines are drawn', { skip: !fs.existsSync('/usr/share/javascript/dygr
 
 test('an alarm appears with first-out, and clears', async () => {
   demo.order('5 fault 5');
-  await until('it is there', async () => (await alarmTexts()).length === 1);
-  assert.match((await alarmTexts())[0], /^fault\s+first\s+pump1\s+emcy\s+0x0005: Overcurrent during acceleration\s+since /);
-  assert.match(await announced(), /^Alarm: pump1, 0x0005: Overcurrent during acceleration, came first$/);
+  await until('it is there', async () => await alarms(page, 'pump1', 'emcy').count() === 1);
+  assert.match(await alarms(page, 'pump1', 'emcy').innerText(), /^fault\s+first\s+pump1\s+emcy\s+0x0005: Overcurrent during acceleration\s+since /);
+  assert.match(await announced(), /Alarm: pump1, 0x0005: Overcurrent during acceleration, came first/);
   await until('the drive says so', async () => await badge('pump1') === 'fault');
-  assert.match(await page.title(), /^\(1\) demo/);
+  assert.match(await page.title(), /^\(\d+\) demo/);
   await expectAccessible(page, 'with an alarm');
+  await page.evaluate(() => scrollTo({ top: 0, behavior: 'instant' }));
   await shot(page, 'light');
   demo.order('5 clear');
-  await until('it is over', async () => (await alarmTexts()).length === 0);
-  assert.match(await announced(), /^Over: pump1, /);
+  await until('it is over', async () => await alarms(page, 'pump1', 'emcy').count() === 0);
+  assert.match(await announced(), /Over: pump1, 0x0005/);
 });
 
 test('a drive goes offline: its values are gone and grey', async () => {
@@ -89,7 +92,7 @@ test('a drive goes offline: its values are gone and grey', async () => {
   const colours = await card('hoist1').locator('dl.values .value').first().evaluate((node) =>
     [getComputedStyle(node).color, getComputedStyle(document.querySelector('.quiet')).color]);
   assert.equal(colours[0], colours[1]);
-  assert.match((await alarmTexts()).join('\n'), /hoist1\s+heartbeat/);
+  await until('its alarm is shown', async () => await alarms(page, 'hoist1', 'heartbeat').count() === 1);
   assert.equal(await value('fan1', 'output_frequency'), '0.00', 'others keep theirs');
   await expectAccessible(page, 'with a drive offline');
 });
@@ -150,11 +153,11 @@ test('a gateway that stands still, and one that is gone, are told', async () => 
 test('in the dark, and on a phone', async () => {
   demo.order('9 unplug on');
   demo.order('5 fault 5');
-  await until('there are alarms', async () => (await demo.get('api/alarms')).length === 2);
   for (const [name, options] of [['dark', { ...wide, colorScheme: 'dark' }], ['phone', phone]]) {
     const other = await openPage(browser, demo.url, options);
     await until('it is live', async () => await other.page.locator('#link').textContent() === 'live');
-    await until('alarms are shown', async () => await other.page.locator('#alarm-list > li').count() === 2);
+    await until('alarms are shown', async () => await alarms(other.page, 'pump1', 'emcy').count() === 1
+      && await alarms(other.page, 'mixer1', 'heartbeat').count() === 1);
     if (name === 'phone') {
       await other.page.locator('#drive-fan1 summary').tap();
       await until('it opens', () => other.page.locator('#drive-fan1 .body').count());

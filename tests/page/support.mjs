@@ -46,7 +46,10 @@ export class Demo {
     fs.writeFileSync(path.join(demo.folder, 'site.toml'), await configure(port, await freePort()));
     demo.url = `http://127.0.0.1:${port}/`;
     demo.launch();
-    await until('the server answers', () => fetch(`${demo.url}health`, { signal: AbortSignal.timeout(5000) }).then(() => true, () => false));
+    await until('the server answers', () => {
+      assert.equal(demo.process.exitCode, null, `the demo has ended, see ${demo.folder}/demo.err`);
+      return fetch(`${demo.url}health`, { signal: AbortSignal.timeout(5000) }).then(() => true, () => false);
+    });
     return demo;
   }
 

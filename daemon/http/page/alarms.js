@@ -8,6 +8,7 @@ export class Alarms {
   #announcer = byId('announcer');
   #kept = new Map();
   #alarms = [];
+  #announced = -Infinity;
 
   get count() {
     return this.#alarms.length;
@@ -24,8 +25,12 @@ export class Alarms {
     }
   }
 
+  /** What comes within a second is told with what came before, which may not have been read yet. */
   announce(text) {
-    this.#announcer.textContent = text;
+    const now = performance.now();
+    const before = now - this.#announced < 1000 ? `${this.#announcer.textContent}. ` : '';
+    this.#announcer.textContent = before + text;
+    this.#announced = now;
   }
 }
 

@@ -46,6 +46,10 @@ export class DriveCard {
     }
   }
 
+  markOld() {
+    setClass(this.node, 'stale');
+  }
+
   /** What is searched of it. */
   get text() {
     return `${this.name} ${this.newest.bus} ${driveState(this.newest).word}`.toLowerCase();

@@ -42,6 +42,11 @@ export class Drives {
     }
   }
 
+  /** The connection is lost: when it stands again, a drive counts as old until it is told of. */
+  forget() {
+    this.#cards.forEach((card) => card.markOld());
+  }
+
   renewTrends() {
     this.#cards.forEach((card) => card.renewTrends());
   }

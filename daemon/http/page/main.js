@@ -15,6 +15,9 @@ const clients = new Clients();
 const drives = new Drives();
 let name = '';
 let instance = '';
+let version = '';
+let mapText = '';
+let wasLost = false;
 
 function showHead(live) {
   const count = alarms.count;
@@ -25,15 +28,27 @@ function showHead(live) {
 
 function onGateway(gateway) {
   if (instance !== '' && instance !== gateway.health.instance) {
-    location.reload();  // Another life of the gateway may have another configuration.
-    return;
+    compare(gateway.version);
   }
   instance = gateway.health.instance;
+  version ||= gateway.version;
   name = gateway.name;
   setText(byId('gateway'), name);
   setText(byId('summary'), `${gateway.health.drives_online} of ${gateway.health.drives} drives online`);
   buses.show(gateway.buses.map((bus, i) => ({ ...bus, ...gateway.health.buses[i] })));
   clients.show(gateway);
+}
+
+// Another life of the gateway may have another configuration, or bring another page.
+async function compare(newVersion) {
+  try {
+    const map = await ask('api/map');
+    if (newVersion !== version || JSON.stringify(map) !== mapText) {
+      location.reload();
+    }
+  } catch {
+    instance = 'unknown';  // It is looked at again with the next answer.
+  }
 }
 
 function onEvent(event, told) {
@@ -52,8 +67,12 @@ function onLive(live) {
   note.hidden = live;
   if (live) {
     drives.renewTrends();
-    alarms.announce('The connection stands again.');
+    if (wasLost) {
+      alarms.announce('The connection stands again.');
+    }
   } else {
+    wasLost = true;
+    drives.forget();
     const since = clockText(new Date().toISOString());
     setText(note, `No connection to the gateway since ${since}. Everything below is as it was then. It is tried again.`);
     alarms.announce('The connection to the gateway is lost. What is shown is old.');
@@ -66,6 +85,7 @@ async function begin() {
   for (;;) {
     try {
       const map = await ask('api/map');
+      mapText = JSON.stringify(map);
       await drives.make(map, link);
       link.start();
       new Commands().start();

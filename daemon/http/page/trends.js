@@ -6,6 +6,7 @@ import { clockText, decimalsOf } from './words.js';
 
 const SAMPLES = 600;
 const SPAN = SAMPLES * 1000;
+const LEAST_SPAN = 60000;
 const DRAW_EVERY = 2;  // samples
 const MOST_CHARTS = 6;
 
@@ -172,7 +173,8 @@ class Chart {
 
   #window() {
     const end = this.#rows.at(-1)?.[0] ?? Date.now();
-    return { dateWindow: [end - SPAN, end], valueRange: rangeOf(this.#rows, this.signal.scale) };
+    const begin = Math.min(this.#rows[0]?.[0] ?? end, end - LEAST_SPAN);
+    return { dateWindow: [Math.max(begin, end - SPAN), end], valueRange: rangeOf(this.#rows, this.signal.scale) };
   }
 
   #options() {
