@@ -33,7 +33,7 @@ struct NodeStatus {
   std::string boot_text;  ///< Why boot_result is a letter, or why no more is known. Empty: nothing is wrong.
   HeldBack held_back = HeldBack::no;        ///< Of meaning beside `not_configured` only.
   std::optional<TimePoint> last_heartbeat;  ///< Heartbeat, boot-up or guarding answer.
-  bool lost = false;           ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
+  bool lost = false;  ///< Error control ran out, or the drive never appeared within heartbeat_timeout.
   std::uint32_t boot_ups = 0;
   std::uint32_t emergencies = 0;
   std::uint32_t heartbeat_losses = 0;

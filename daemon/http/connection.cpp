@@ -161,18 +161,25 @@ std::optional<Answer> Connection::object_to(const Request& request) {
 }
 
 awaitable<void> Connection::await_turn() {
-  while (socket_.is_open() && canopen::Clock::now() < shared_.share.free_at()) {
+  shared_.share.enter(turn_);
+  for (canopen::TimePoint at = shared_.share.when(turn_); socket_.is_open() && canopen::Clock::now() < at;
+       at = shared_.share.when(turn_)) {
     error_code ignored;
-    turn_.expires_at(shared_.share.free_at());
+    turn_.expires_at(at);
     co_await turn_.async_wait(redirect_error(use_awaitable, ignored));
   }
+}
+
+void Connection::end_turn(canopen::TimePoint begin) {
+  shared_.share.note(begin, canopen::Clock::now());
+  shared_.share.leave(turn_);
 }
 
 awaitable<Answer> Connection::word(const Request& request) {
   co_await await_turn();
   const canopen::TimePoint begin = canopen::Clock::now();
   Answer answer = shared_.respond(request);
-  shared_.share.note(begin, canopen::Clock::now());
+  end_turn(begin);
   if (shared_.waiting.now + answer.body.size() > WaitingBytes::kMost) {
     answer = refusal(503, "too many answers wait for clients that do not take them; ask again");
   }
@@ -211,7 +218,7 @@ awaitable<std::string> Connection::next_events(Live::Place& place) {
   co_await await_turn();
   const canopen::TimePoint begin = canopen::Clock::now();
   std::string events = shared_.live.take(place);
-  shared_.share.note(begin, canopen::Clock::now());
+  end_turn(begin);
   co_return events;
 }
 

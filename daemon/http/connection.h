@@ -76,6 +76,7 @@ class Connection {
   boost::asio::awaitable<bool> answer_first();
   boost::asio::awaitable<Answer> word(const Request& request);
   boost::asio::awaitable<void> await_turn();
+  void end_turn(canopen::TimePoint begin);
   boost::asio::awaitable<void> stream();
   /// The next events; empty: nothing changed.
   boost::asio::awaitable<std::string> next_events(Live::Place& place);

@@ -12,10 +12,6 @@ Live::Live(const process::Plant& plant) : plant_(plant), drives_(plant.size()) {
   }
 }
 
-void Live::append_event(std::string& out, std::string_view name, std::string_view json) {
-  out.append("event: ").append(name).append("\ndata: ").append(json).append("\n\n");
-}
-
 void Live::append_rest(std::string& out, Place& place) {
   if (place.alarms < alarms_) {
     append_event(out, "alarms", active_alarms_text(plant_));

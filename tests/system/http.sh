@@ -11,7 +11,7 @@ listen = "127.0.0.1:$port"
 hosts = ["line3.plant.example"]
 TOML
 
-page() { curl -sS --max-time 5 "$@"; }                                     # page URL…: the text
+page() { curl -sS --max-time 10 "$@"; }                                     # page URL…: the text
 get() { page "http://127.0.0.1:$port$1"; }                                 # get TARGET
 status_of() { page -o /dev/null -w '%{http_code}' "$@"; }                  # status_of CURL-ARGUMENTS…
 metric() { get /metrics | "$root/tests/system/http/read_metrics.py" | sed -n "s/^canopen_gateway_$1 //p"; }  # metric SERIES
@@ -84,20 +84,7 @@ expect "HEAD" 200 "$(status_of -I $at/metrics)"
 expect_match "nothing runs in a browser" "Content-Security-Policy: default-src 'none'" "$(page -I $at/health)"
 
 say "readers that do not read"
-# From two addresses, each of which may have half of the connections; /metrics is more than a small socket takes.
-launch slow python3 - $port <<'PYTHON'
-import socket, sys, time
-clients = []
-for i in range(200):
-    client = socket.socket()
-    client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
-    client.bind((f"127.0.0.{2 + i % 2}", 0))
-    client.connect(("127.0.0.1", int(sys.argv[1])))
-    client.sendall(b"GET /api/map HTTP/1.1\r\nHost: localhost\r\n\r\n" * 20)
-    clients.append(client)
-print("connected", flush=True)
-time.sleep(60)
-PYTHON
+launch slow "$root/tests/system/http/slow_readers.py" $port 200 /api/live
 wait_until 20 "200 of them" grep -q connected "$work/slow.out"
 lost_before=$(metric 'bus_frames_lost_total{bus="can0"}')
 expect_match "they are connected" '^(19|20)[0-9]$' "$(metric 'http_clients{}')"

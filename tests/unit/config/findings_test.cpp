@@ -87,8 +87,7 @@ TEST_P(NotSupported, IsAnErrorAndNeverIgnored) {
 
 INSTANTIATE_TEST_SUITE_P(
     Keys, NotSupported,
-    testing::Values(Case{"[http]\nlisten = \"127.0.0.1:9464\"\n", "7:2: error: [http]"},
-                    Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"},
+    testing::Values(Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"},
                     Case{"[drive.sdo]\npatience = \"1s\"\n", "8:1: error: drive \"pump1\": sdo.patience"},
                     Case{"[mqtt]\nbrokers = [\"mqtt://a:1\", \"mqtt://b:1\"]\n", "more than one broker"},
                     Case{"[mqtt]\nhome_assistant = true\n", "mqtt.home_assistant"}));

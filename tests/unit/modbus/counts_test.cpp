@@ -22,8 +22,8 @@ TEST(ModbusCounts, AreOfAllClients) {
   EXPECT_EQ(site.server().counts().requests, 1U);
   TcpClient other(site.port());
   EXPECT_EQ(site.ask(other, kUnit, "03 7000 0001"), "83 02");
-  EXPECT_EQ(site.ask(other, 77, "03 0000 0001"), "83 0A");
-  EXPECT_EQ(site.ask(other, kUnit, "63"), "E3 01");
+  EXPECT_EQ(site.ask(other, 77, "03 0000 0001"), "83 0a");
+  EXPECT_EQ(site.ask(other, kUnit, "63"), "e3 01");
   EXPECT_EQ(site.ask(other, kUnit, "90"), "90 01") << "a function that is an exception itself";
   EXPECT_EQ(site.server().counts().requests, 5U);
   EXPECT_EQ(count_of(site, Exception::illegal_address), 1U);

@@ -325,12 +325,25 @@ TEST_F(HttpServer, EndsWithReadersOfAStream) {
   end();  // expects its end
 }
 
-TEST(HttpLoopShare, LeavesThreeQuartersOfTheLoop) {
+TEST(HttpLoopShare, LeavesThreeQuartersOfTheLoopAndKeepsTheOrder) {
+  support::HandDrivenLoop loop;
+  canopen::Timer one(loop.executor());
+  canopen::Timer other(loop.executor());
   LoopShare share;
-  const canopen::TimePoint begin = canopen::TimePoint{} + 1h;
-  EXPECT_LT(share.free_at(), begin);
+  const canopen::TimePoint begin = canopen::Clock::now();
+  share.enter(one);
+  share.enter(other);
+  EXPECT_LT(share.when(one), begin);
+  EXPECT_EQ(share.when(other), canopen::kNever) << "it came later";
+  bool woken = false;
+  other.expires_at(share.when(other));
+  other.async_wait([&woken](const boost::system::error_code&) { woken = true; });
   share.note(begin, begin + 5ms);
-  EXPECT_EQ(share.free_at(), begin + 20ms);
+  share.leave(one);
+  loop.settle();
+  EXPECT_TRUE(woken);
+  EXPECT_EQ(share.when(other), begin + 20ms);
+  share.leave(other);
 }
 
 }  // namespace
