@@ -12,6 +12,7 @@ struct Answer {
   std::string_view type = "application/json";
   std::string body{};
   const std::string* lasting = nullptr;  ///< In place of `body`: it outlives every connection.
+  bool page = false;                     ///< A browser shows it, with what else this server has.
   bool stream = false;                   ///< Events follow, for as long as the client stays.
   std::string_view allow{};              ///< The methods that there are; empty: not told.
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/http/metrics.h"
+#include "daemon/http/page.h"
 
 namespace gateway::http {
 namespace {
@@ -21,10 +22,11 @@ struct Resource {
   std::span<const std::string_view> parameters{};
 };
 
-constexpr std::array<Resource, 8> kResources{
+constexpr std::array<Resource, 9> kResources{
     {{"/metrics", [](const Site& site, const Target&) { return metrics(site); }},
      {"/health", [](const Site& site, const Target&) { return health(site); }},
      {"/api/drives", [](const Site& site, const Target&) { return drives(site); }},
+     {"/api/gateway", [](const Site& site, const Target&) { return gateway_figures(site); }},
      {"/api/alarms", [](const Site& site, const Target&) { return active_alarms(site); }},
      {"/api/map", [](const Site& site, const Target&) { return map(site); }},
      {"/api/history", [](const Site& site, const Target& target) { return history(site, target); }, kDrive},
@@ -37,6 +39,7 @@ Answer not_found(std::string_view path) {
     known.emplace_back(resource.path);
   }
   known.insert(known.begin() + 3, std::string(kOneDrive) + "NAME");
+  known.emplace(known.begin(), "/");
   return refusal(404, "there is no " + std::string(path), "resources", known);
 }
 
@@ -58,6 +61,10 @@ Answer respond(const Request& request, const Site& site) {
   if (target.path.starts_with(kOneDrive)) {
     const auto wrong = unknown_parameter(target, {});
     return wrong ? *wrong : drive(site, std::string_view(target.path).substr(kOneDrive.size()));
+  }
+  if (auto page = page_file(target.path, site.charts)) {
+    const auto wrong = unknown_parameter(target, {});
+    return wrong ? *wrong : *std::move(page);
   }
   const auto* const found = std::ranges::find(kResources, std::string_view(target.path), &Resource::path);
   if (found == kResources.end()) {

@@ -12,6 +12,7 @@
 #include "bridges/process/health.h"
 #include "bridges/process/plant.h"
 #include "daemon/http/command_tally.h"
+#include "daemon/http/page.h"
 #include "daemon/http/process_figures.h"
 
 namespace gateway::http {
@@ -49,6 +50,7 @@ struct Site {
   std::string version;
   std::string map;  ///< As `map --format json` prints it.
   std::function<process::Health()> health;
+  std::string charts = chart_library();
   std::function<ProcessFigures()> process = process_figures;
   std::function<ModbusFigures()> modbus{};
   std::function<MqttFigures()> mqtt{};

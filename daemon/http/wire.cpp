@@ -27,9 +27,14 @@ using Parser = beast_http::request_parser<beast_http::empty_body>;
 constexpr std::string_view kEnd = "\r\n\r\n";
 constexpr std::string_view kMethods = "GET, HEAD";
 
-// Whatever is answered loads nothing, runs nothing, is shown in no frame, and is kept by nobody.
+// Whatever is answered loads nothing and runs nothing,
+constexpr std::string_view kNothing = "default-src 'none'";
+// but for the page, which loads and runs what this server has, and nothing that is written into it;
+constexpr std::string_view kOwn =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'";
+// and is shown in no frame, and is kept by nobody.
 constexpr std::string_view kGuards =
-    "Content-Security-Policy: default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
+    "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
     "X-Content-Type-Options: nosniff\r\n"
     "X-Frame-Options: DENY\r\n"
     "Referrer-Policy: no-referrer\r\n"
@@ -122,8 +127,9 @@ std::variant<Request, Refused> read_head(std::string_view head) {
 
 std::string word_head(const Answer& answer, bool keep_alive) {
   const auto reason = text_of(beast_http::obsolete_reason(beast_http::int_to_status(answer.status)));
-  std::string head = fmt::format("HTTP/1.1 {} {}\r\nDate: {}\r\nContent-Type: {}\r\n{}", answer.status, reason,
-                                 date_text(canopen::wall_now()), answer.type, kGuards);
+  std::string head =
+      fmt::format("HTTP/1.1 {} {}\r\nDate: {}\r\nContent-Type: {}\r\nContent-Security-Policy: {}{}", answer.status,
+                  reason, date_text(canopen::wall_now()), answer.type, answer.page ? kOwn : kNothing, kGuards);
   if (!answer.stream) {
     head += fmt::format("Content-Length: {}\r\n", answer.text().size());
   }

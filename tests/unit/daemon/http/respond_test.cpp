@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/json/array.hpp>
 #include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
 #include <string>
 
 #include "tests/unit/daemon/http/shown_plant.h"
@@ -20,10 +21,11 @@ class HttpRespond : public test::ShownPlant {};
 TEST_F(HttpRespond, NamesWhatThereIsWhereThereIsNothing) {
   const Answer answer = get("/api/nothing");
   EXPECT_EQ(answer.status, 404U);
-  EXPECT_EQ(answer.text(),
-            R"({"error":"there is no /api/nothing","resources":["/metrics","/health","/api/drives",)"
-            R"("/api/drives/NAME","/api/alarms","/api/map","/api/history","/api/live","/api/commands"]})");
-  EXPECT_EQ(get("/").status, 404U);
+  EXPECT_EQ(
+      answer.text(),
+      R"({"error":"there is no /api/nothing","resources":["/","/metrics","/health","/api/drives",)"
+      R"("/api/drives/NAME","/api/gateway","/api/alarms","/api/map","/api/history","/api/live","/api/commands"]})");
+  EXPECT_EQ(get("/page").status, 404U);
   EXPECT_EQ(get("/api/drives/pump9").text(),
             R"({"error":"there is no drive \"pump9\"","drives":["fan1","pump1","hoist1","mixer1"]})");
   EXPECT_EQ(get("/api/drives/pump9").status, 404U);
@@ -60,6 +62,50 @@ TEST(HttpHealth, WithoutADriveNothingIsWell) {
   EXPECT_TRUE(process::is_well(health));
   health.buses.push_back({.name = "can1", .condition = canopen::BusCondition::down});
   EXPECT_FALSE(process::is_well(health));
+}
+
+TEST_F(HttpRespond, FiguresOfTheGateway) {
+  boost::json::object figures = json("/api/gateway").as_object();
+  EXPECT_EQ(figures.at("name").as_string(), model_.gateway.name);
+  EXPECT_EQ(figures.at("health").as_object().at("drives_online").as_int64(), 4);
+  EXPECT_TRUE(figures.at("modbus").is_null()) << "there is none";
+  wire_.set_state({canopen::BusCondition::passive, 130, 7});
+  site_.modbus = [] {
+    modbus::Counts counts{.requests = 40};
+    counts.add(modbus::Exception::illegal_address);
+    counts.add(modbus::Exception::unknown_unit);
+    return ModbusFigures{.clients = 3, .refused = 1, .counts = counts};
+  };
+  loop_.advance(10ms);
+  figures = json("/api/gateway").as_object();
+  const boost::json::object bus = figures.at("buses").as_array().at(0).as_object();
+  EXPECT_EQ(bus.at("transmit_errors").as_int64(), 130);
+  EXPECT_EQ(bus.at("receive_errors").as_int64(), 7);
+  EXPECT_GT(bus.at("frames_received").as_int64(), 0);
+  EXPECT_EQ(boost::json::serialize(figures.at("modbus")), R"({"clients":3,"refused":1,"requests":40,"exceptions":2})");
+}
+
+TEST_F(HttpRespond, ThePageIsPartOfTheProgram) {
+  const Answer page = get("/");
+  EXPECT_EQ(page.status, 200U);
+  EXPECT_EQ(page.type, "text/html; charset=utf-8");
+  EXPECT_TRUE(page.page);
+  EXPECT_THAT(page.body, HasSubstr("<title>canopen-gateway</title>"));
+  EXPECT_EQ(get("/page/main.js").type, "text/javascript; charset=utf-8");
+  EXPECT_EQ(get("/page/page.css").type, "text/css; charset=utf-8");
+  EXPECT_EQ(get("/page/icon.svg").type, "image/svg+xml");
+  EXPECT_EQ(get("/page/package.json").status, 404U) << "what only tests need";
+  EXPECT_EQ(get("/?x=1").status, 400U);
+  EXPECT_FALSE(get("/health").page);
+}
+
+TEST_F(HttpRespond, ChartsAreThereWhereTheMachineHasTheirLibrary) {
+  site_.charts.clear();
+  EXPECT_EQ(get("/page/dygraph.js").status, 404U);
+  site_.charts = "var Dygraph;";
+  EXPECT_EQ(get("/page/dygraph.js").text(), "var Dygraph;");
+  EXPECT_TRUE(get("/page/dygraph.js").body.empty()) << "it is not copied for each client";
+  EXPECT_EQ(get("/page/dygraph.js").type, "text/javascript; charset=utf-8");
 }
 
 TEST_F(HttpRespond, DrivesAreShownWithTheirValues) {

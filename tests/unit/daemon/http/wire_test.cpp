@@ -112,6 +112,14 @@ TEST(HttpWire, WordsAnswers) {
   EXPECT_THAT(head, Not(HasSubstr("Server")));
 }
 
+TEST(HttpWire, ThePageLoadsWhatThisServerHasAndNothingElse) {
+  const support::HandDrivenLoop loop;
+  EXPECT_THAT(word_head({.type = "text/html; charset=utf-8", .body = "x", .page = true}, true),
+              HasSubstr("\r\nContent-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; "
+                        "img-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+                        "frame-ancestors 'none'\r\n"));
+}
+
 TEST(HttpRefusal, SaysWhatThereIs) {
   const std::vector<std::string> known{"fan1", "pump1"};
   EXPECT_EQ(refusal(404, "there is no \"x\"", "drives", known).body,

@@ -1,0 +1,21 @@
+# The status page as source text: daemon/http/page_files.cpp in the build directory has all of it.
+set(page_folder "${CMAKE_CURRENT_LIST_DIR}/page")
+set(page_type_html "text/html; charset=utf-8")
+set(page_type_css "text/css; charset=utf-8")
+set(page_type_js "text/javascript; charset=utf-8")
+set(page_type_svg "image/svg+xml")
+set(PAGE_FILES "")
+foreach(name
+    index.html page.css icon.svg alarms.js buses.js clients.js commands.js dom.js drive_card.js drives.js events.js
+    journal.js link.js main.js map.js search.js trends.js words.js)
+  get_filename_component(page_extension "${name}" LAST_EXT)
+  string(SUBSTRING "${page_extension}" 1 -1 page_extension)
+  set(page_path "/page/${name}")
+  if(name STREQUAL "index.html")
+    set(page_path "/")
+  endif()
+  file(READ "${page_folder}/${name}" page_text)
+  string(APPEND PAGE_FILES "    {\"${page_path}\", \"${page_type_${page_extension}}\", R\"page(${page_text})page\"},\n")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${page_folder}/${name}")
+endforeach()
+configure_file("${CMAKE_CURRENT_LIST_DIR}/page_files.cpp.in" "${CMAKE_CURRENT_BINARY_DIR}/page_files.cpp" @ONLY)
