@@ -14,6 +14,8 @@ void Bridge::on_connected(const Connected& connection) {
   connection_ = connection;
   session_.connected(connection, canopen::Clock::now());
   other_.connected(connection.broker);
+  home_assistant_.connected(connection.broker);
+  session_.watch_too(home_assistant_.subscriptions());
   wake(session_.deadline());
 }
 
@@ -35,6 +37,9 @@ void Bridge::on_subscribed(const Subscribed& subscribed) {
   }
   if (session_.ready() && !subscribed.refused) {
     tell_again();  // what others wrote meanwhile was not heard
+  }
+  if (!subscribed.refused) {
+    home_assistant_.granted(subscribed.filter);
   }
   session_.subscribed(subscribed, canopen::Clock::now());
   wake(session_.deadline());
@@ -75,8 +80,8 @@ void Bridge::on_message(Incoming message) {
 
 void Bridge::looked_at(const Incoming& message) {
   leftovers_.heard(message);
-  if (message.retained && message.topic == topics_.info()) {
-    home_assistant_.info_kept(message.payload);
+  if (message.retained && message.topic == topics_.home_assistant()) {
+    home_assistant_.prefixes_kept(message.payload);
     session_.watch_too(home_assistant_.subscriptions());
   }
 }
