@@ -64,7 +64,7 @@ def follow(log, out):
                 with open(out + ".new", "w", encoding="utf-8") as fresh:
                     fresh.write(text)
                 os.replace(out + ".new", out)
-            time.sleep(0.05)
+            time.sleep(0.1)
 
 
 def main(arguments):

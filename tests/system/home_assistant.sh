@@ -11,8 +11,9 @@ home() { /usr/bin/python3 "$root/tests/system/home_assistant.py" "$@"; }
 seen=$work/witness.out
 shown=$work/shown
 shows() { sed -n "s/^line3 $1 $2 //p" "$shown"; } # shows DRIVE ENTITY
-shows_so() { [ "$(shows "$1" "$2")" = "$3" ]; }
+shows_so() { grep -qxF "line3 $1 $2 $3" "$shown"; }
 shows_no() { ! grep -qE "$1" "$shown"; }
+answered_more() { [ "$(grep -c " $topics/result " "$seen")" -gt "$1" ]; }
 # offered DRIVE|ENTITY|VALUE…: what setting them sends is known then; one start of Python for all of them
 offered() { printf 'line3 %s\n' "$@" | home commands "$seen" >"$work/commands" || fail "$* cannot be pressed"; }
 # press DRIVE|ENTITY|VALUE: as people do; prints what the gateway answers
@@ -21,7 +22,7 @@ press() {
   read -r topic qos payload < <(sed -n "s/^line3 $1 //p" "$work/commands")
   answers=$(grep -c " $topics/result " "$seen")
   mosquitto_pub -h 127.0.0.1 -p "$broker_port" -q "$qos" -t "$topic" -m "$payload"
-  wait_until 5 "an answer to $1" bash -c "[ \$(grep -c ' $topics/result ' '$seen') -gt $answers ]"
+  wait_until 5 "an answer to $1" answered_more "$answers"
   grep " $topics/result " "$seen" | tail -n 1 | cut -d' ' -f4- | jq -r '"\(.ok) \(.code) \(.topic)"'
 }
 of=homeassistant/device/canopen_line3
