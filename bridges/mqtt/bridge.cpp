@@ -44,7 +44,6 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       timer_(executor_),
       wake_at_(kNever),
       ended_(executor_) {
-  session_.watch_too(home_assistant_.subscriptions());
   feeds_.reserve(plant.size());
   for (std::size_t i = 0; i < plant.size(); ++i) {
     feeds_.emplace_back(plant.drive(i), topics_.drive(i), settings);
@@ -213,7 +212,7 @@ void Bridge::collect(canopen::TimePoint now) {
   }
   status_.collect(true, now, batch_);  // last: it says that all else is there
   leftovers_.collect(other_.lives(), now, batch_, notice_);
-  home_assistant_.collect(now, batch_);
+  home_assistant_.collect(other_.lives(), now, batch_);
   next_ = std::min({next_, health_.next(), status_.next(), leftovers_.next(), home_assistant_.next()});
 }
 

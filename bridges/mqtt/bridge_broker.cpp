@@ -17,6 +17,8 @@ void Bridge::on_connected(const Connected& connection) {
   session_.connected(connection, canopen::Clock::now());
   leftovers_.connected(place);
   other_.connected(place);
+  home_assistant_.connected(place);
+  session_.watch_too(home_assistant_.subscriptions());
   wake(session_.deadline());
 }
 
@@ -46,6 +48,9 @@ void Bridge::on_subscribed(const Subscribed& subscribed) {
   }
   if (session_.ready() && !subscribed.refused) {
     tell_again();  // what others wrote meanwhile was not heard
+  }
+  if (!subscribed.refused) {
+    home_assistant_.granted(subscribed.filter);
   }
   session_.subscribed(subscribed, canopen::Clock::now());
   wake(session_.deadline());
@@ -86,8 +91,8 @@ void Bridge::on_message(Incoming message) {
 
 void Bridge::looked_at(const Incoming& message) {
   leftovers_.heard(message);
-  if (message.retained && message.topic == topics_.info()) {
-    home_assistant_.info_kept(message.payload);
+  if (message.retained && message.topic == topics_.home_assistant()) {
+    home_assistant_.prefixes_kept(message.payload);
     session_.watch_too(home_assistant_.subscriptions());
   }
 }

@@ -36,6 +36,10 @@ class Leftovers {
   void found(const std::string& topic, canopen::TimePoint now);
   /// All that we publish was published, `online` last, on a new connection.
   void announced(canopen::TimePoint now);
+  /// Until when another gateway of our name that lives would have been heard on a connection that begins now.
+  [[nodiscard]] canopen::TimePoint settled(canopen::TimePoint now) const noexcept {
+    return here_->in_use ? now + patience_ : now;
+  }
   /// When to come to collect().
   [[nodiscard]] canopen::TimePoint next() const noexcept { return due_; }
   /// Appends what empties them where it is time, and names each. Where another gateway of this name lives, nothing of

@@ -96,6 +96,7 @@ Topics::Topics(const config::Model& model, const config::Mqtt& settings, std::st
       status_(status_topic(base_, gateway)),
       health_(root_ + "/health"),
       info_(root_ + "/info"),
+      home_assistant_(root_ + "/home_assistant"),
       result_(root_ + "/result"),
       alarms_(root_ + "/alarms") {
   for (const config::Drive& drive : model.drives) {

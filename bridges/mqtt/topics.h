@@ -41,8 +41,12 @@ class Topics {
   [[nodiscard]] const std::string& status() const noexcept { return status_; }
   [[nodiscard]] const std::string& health() const noexcept { return health_; }
   [[nodiscard]] const std::string& info() const noexcept { return info_; }
+  /// Where the broker keeps below which prefixes Home Assistant was told of drives.
+  [[nodiscard]] const std::string& home_assistant() const noexcept { return home_assistant_; }
   [[nodiscard]] const std::string& result() const noexcept { return result_; }
   [[nodiscard]] const std::string& root() const noexcept { return root_; }  ///< `B` itself.
+  /// The gateway's name.
+  [[nodiscard]] std::string_view gateway() const { return std::string_view(root_).substr(base_.size() + 1); }
   [[nodiscard]] const DriveTopics& drive(std::size_t index) const { return drives_.at(index); }
   /// The list of active alarms.
   [[nodiscard]] const std::string& alarms() const noexcept { return alarms_; }
@@ -69,6 +73,7 @@ class Topics {
   std::string status_;
   std::string health_;
   std::string info_;
+  std::string home_assistant_;
   std::string result_;
   std::string alarms_;
   std::vector<DriveTopics> drives_;

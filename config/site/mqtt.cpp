@@ -228,6 +228,12 @@ void check_home_assistant(const Node& table, const Mqtt& mqtt, Report& report) {
   if (!mqtt.state) {
     report.error(place, "mqtt.home_assistant needs state = true, where its values come from");
   }
+  if (mqtt.version == MqttVersion::v3_1_1) {
+    report.warning(place_of(table, "version"),
+                   "mqtt.version \"3.1.1\" lets a broker keep for ever what it was told last: of a gateway that died "
+                   "without the broker's notice, home_assistant shows values again for expiry whenever it starts, and "
+                   "goes on to offer commands; leave version out where the broker knows MQTT 5");
+  }
 }
 
 /// A topic that waits for min_interval must not expire meanwhile: live topics are published at a third of `expiry`.

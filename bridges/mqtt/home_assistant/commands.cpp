@@ -56,6 +56,12 @@ struct Limits {
   double max = 0;
 };
 
+// 32767 times 0.1 is 3276.7000000000003.
+double rounded(double value, unsigned decimals) {
+  const double factor = std::pow(10.0, static_cast<double>(decimals));
+  return std::round(value * factor) / factor;
+}
+
 // Beyond 32 bits, and of REAL, a type says nothing of what is sensible.
 std::optional<Limits> limits_of(const config::Signal& signal) {
   const unsigned bits = canopen::bit_length(signal.type);
@@ -66,7 +72,8 @@ std::optional<Limits> limits_of(const config::Signal& signal) {
   const bool has_sign = canopen::is_signed(signal.type);
   const double least = known && has_sign ? -std::ldexp(1.0, static_cast<int>(bits) - 1) : 0.0;
   const double most = known ? std::ldexp(1.0, static_cast<int>(has_sign ? bits - 1 : bits)) - 1.0 : 0.0;
-  const auto [low, high] = std::minmax({least * signal.scale, most * signal.scale});
+  const auto [low, high] =
+      std::minmax({rounded(least * signal.scale, signal.decimals), rounded(most * signal.scale, signal.decimals)});
   const Limits limits{.min = signal.min.value_or(low), .max = signal.max.value_or(high)};
   return limits.min < limits.max ? std::optional(limits) : std::nullopt;
 }
@@ -138,6 +145,9 @@ void append_select(std::vector<Entity>& entities, const config::Signal& signal, 
     object.text("command_template", signal.type == canopen::DataType::boolean
                                         ? "{{ {'value': value == 'true'} | tojson }}"
                                         : "{{ {'value': value} | tojson }}");
+    if (signal.name == kControl) {
+      object.boolean("enabled_by_default", false);  // one touch of the first page there would start a motor
+    }
     text::append_list(object.key("options"), choices,
                       [](std::string& list, const Choice& choice) { text::append_quoted(list, choice.name); });
   }));

@@ -13,11 +13,12 @@ namespace {
 
 using text::ObjectText;
 
-void append_device(std::string& out, const config::Drive& drive, const DriveTopics& topics) {
+// By the drive's name alone two lines that name their drives alike would show the same there.
+void append_device(std::string& out, const config::Drive& drive, std::string_view gateway, const DriveTopics& topics) {
   ObjectText device(out);
   text::append_list(device.key("identifiers"), std::array{std::string_view(topics.root)},
                     [](std::string& list, std::string_view id) { text::append_quoted(list, id); });
-  device.text("name", drive.name);
+  device.text("name", std::string(gateway).append(" ").append(drive.name));
   device.text("model", drive.profile);
   device.close();
 }
@@ -54,7 +55,7 @@ Device device_of(const config::Drive& drive, const Topics& topics, std::size_t i
   }
   Device device;
   ObjectText message(device.message);
-  append_device(message.key("device"), drive, of_drive);
+  append_device(message.key("device"), drive, topics.gateway(), of_drive);
   append_origin(message.key("origin"), version);
   text::append_list(message.key("availability"), std::array{topics.status(), of_drive.status}, append_topic);
   message.text("availability_mode", "all");

@@ -29,7 +29,4 @@ struct Device {
 /// gateway whose status lies there. Whatever the bytes are.
 [[nodiscard]] std::optional<Entities> read_kept_device(std::string_view message, std::string_view status);
 
-/// `home_assistant` of a `B/info` that a broker keeps; empty: none.
-[[nodiscard]] std::string read_kept_prefix(std::string_view info);
-
 }  // namespace mqtt::home_assistant

@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridges/text/json_text.h"
-
 namespace mqtt::home_assistant {
 namespace {
-
-constexpr std::size_t kLongestPrefix = 256;
 
 std::string node_of(std::string root) {
   std::ranges::replace_if(
@@ -21,12 +17,8 @@ std::string node_of(std::string root) {
   return root;
 }
 
-// What the broker keeps may be of anybody.
-bool is_prefix(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestPrefix && text.front() != '$' && text::is_utf8(text) &&
-         std::ranges::none_of(text, [](char letter) {
-           return letter == '+' || letter == '#' || static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F;
-         });
+canopen::TimePoint not_before(const std::optional<canopen::TimePoint>& last, canopen::TimePoint now) {
+  return last ? std::max(now, *last + Discovery::kLeast) : now;
 }
 
 }  // namespace
@@ -39,9 +31,10 @@ Discovery::Discovery(const config::Model& model, const config::Mqtt& settings, c
       leftovers_(leftovers),
       version_(std::move(version)),
       node_(node_of(topics.root())),
-      before_(model.drives.size()) {
-  if (!settings.home_assistant.empty()) {
-    prefixes_.insert(settings.home_assistant);
+      prefixes_(settings, topics),
+      drives_(model.drives.size()) {
+  for (std::size_t i = 0; !settings.home_assistant.empty() && i < model.drives.size(); ++i) {
+    topics_of_drives_.emplace(topic_of(settings.home_assistant, model.drives[i].name), i);
   }
 }
 
@@ -53,6 +46,14 @@ std::string Discovery::birth_topic() const {
   return settings_.home_assistant + "/status";
 }
 
+void Discovery::connected(const std::string& broker) {
+  broker_ = broker;
+  prefixes_.connected(broker);
+  for (Told& drive : drives_) {
+    drive.due = canopen::kNever;
+  }
+}
+
 std::vector<Subscription> Discovery::subscriptions() const {
   std::vector<Subscription> wanted;
   if (!settings_.home_assistant.empty()) {
@@ -60,7 +61,7 @@ std::vector<Subscription> Discovery::subscriptions() const {
                       .watched = true,
                       .lost = "Home Assistant is not told of the drives again when it starts"});
   }
-  for (const std::string& prefix : prefixes_) {
+  for (const std::string& prefix : prefixes_.all()) {
     wanted.push_back({.filter = topic_of(prefix, "+"),
                       .watched = true,
                       .kept = true,
@@ -69,77 +70,136 @@ std::vector<Subscription> Discovery::subscriptions() const {
   return wanted;
 }
 
-void Discovery::info_kept(std::string_view info) {
-  const std::string prefix = read_kept_prefix(info);
-  if (is_prefix(prefix) && !matches(settings_.base + "/#", prefix) && prefixes_.size() < kMostPrefixes) {
-    prefixes_.insert(prefix);
+void Discovery::granted(std::string_view filter) {
+  for (const std::string& prefix : prefixes_.all()) {
+    if (topic_of(prefix, "+") == filter) {
+      prefixes_.granted(prefix);
+    }
   }
 }
 
 void Discovery::announced(canopen::TimePoint now) {
-  due_ = canopen::kNever;
-  tell_all_at(now + kPause);
+  prefixes_.announced(now);
+  // A gateway of our name that lives says so by then; later it would have been heard.
+  const canopen::TimePoint heard = told_at_.contains(broker_) ? now : leftovers_.settled(now);
+  tell_all_at(std::max(heard, now + kPause));
+}
+
+void Discovery::tell_all_at(canopen::TimePoint at) {
+  for (const auto& [topic, index] : topics_of_drives_) {
+    drives_[index].due = at;
+  }
+}
+
+void Discovery::Told::tell_again_at(canopen::TimePoint at) {
+  if (due == canopen::kNever && last) {
+    due = at;
+  }
 }
 
 bool Discovery::heard(const Incoming& message, canopen::TimePoint now) {
   if (!settings_.home_assistant.empty() && message.topic == birth_topic()) {
-    if (message.payload == "online" && due_ == canopen::kNever) {
-      tell_all_at(told_ + kLeast > now ? told_ + kLeast : now);
+    for (const auto& [topic, index] : topics_of_drives_) {
+      Told& drive = drives_[index];
+      if (message.payload == "online") {
+        drive.tell_again_at(not_before(drive.last, now));
+      }
     }
     return true;
   }
-  const bool ours = std::ranges::any_of(
-      prefixes_, [&](const std::string& prefix) { return matches(topic_of(prefix, "+"), message.topic); });
-  if (ours && message.retained) {
-    kept(message, now);
+  const auto& all = prefixes_.all();
+  const auto prefix =
+      std::ranges::find_if(all, [&](const std::string& each) { return matches(topic_of(each, "+"), message.topic); });
+  if (prefix == all.end()) {
+    return false;
   }
-  return ours;
+  if (message.retained) {
+    kept(*prefix, message, now);
+  } else if (Told* const drive = find(message.topic)) {
+    // MQTT 3.1.1 sends us what is ours.
+    const std::size_t hash = std::hash<std::string>{}(message.payload);
+    if (std::ranges::find(drive->hashes, std::optional(hash)) == drive->hashes.end()) {
+      written(*drive, now);
+    }
+  }
+  return true;
 }
 
-void Discovery::kept(const Incoming& message, canopen::TimePoint now) {
+Discovery::Told* Discovery::find(std::string_view topic) {
+  const auto found = topics_of_drives_.find(topic);
+  return found == topics_of_drives_.end() ? nullptr : &drives_[found->second];
+}
+
+void Discovery::written(Told& drive, canopen::TimePoint now) {
+  drive.puts_right = true;
+  drive.tell_again_at(not_before(drive.last, now));
+}
+
+void Discovery::kept(const std::string& prefix, const Incoming& message, canopen::TimePoint now) {
+  if (message.payload.empty()) {
+    return;
+  }
+  Told* const drive = find(message.topic);
   const auto entities = read_kept_device(message.payload, topics_.status());
   if (!entities) {
-    return;  // emptied, or of somebody else
+    if (drive != nullptr) {
+      written(*drive, now);
+    }
+    return;
   }
-  const auto drive = std::ranges::find_if(model_.drives, [&](const config::Drive& each) {
-    return !settings_.home_assistant.empty() && topic_of(settings_.home_assistant, each.name) == message.topic;
-  });
-  if (drive == model_.drives.end()) {
+  prefixes_.found(prefix);
+  if (drive == nullptr) {
     leftovers_.found(message.topic, now);
     return;
   }
-  const auto index = static_cast<std::size_t>(drive - model_.drives.begin());
-  const std::size_t known = before_[index].size();
+  const std::size_t known = drive->before.size();
   for (const auto& [key, platform] : *entities) {
-    if (before_[index].size() < kMostEntities) {
-      before_[index].emplace(key, platform);
+    if (drive->before.size() < kMostEntities) {
+      drive->before.emplace(key, platform);
     }
   }
-  const bool told_already = due_ == canopen::kNever || drive_ > index;
-  if (before_[index].size() > known && told_already) {
-    tell_all_at(now + kPause);
+  if (drive->before.size() > known) {
+    drive->tell_again_at(now + kPause);
   }
 }
 
-void Discovery::tell_all_at(canopen::TimePoint at) {
-  if (!settings_.home_assistant.empty() && !model_.drives.empty()) {
-    drive_ = 0;
-    due_ = std::min(due_, at);
+canopen::TimePoint Discovery::next() const {
+  if (another_lives_) {
+    return canopen::kNever;
   }
+  canopen::TimePoint next = prefixes_.next();
+  for (const Told& drive : drives_) {
+    next = std::min(next, drive.due);
+  }
+  return next;
 }
 
-void Discovery::collect(canopen::TimePoint now, std::vector<Message>& out) {
-  if (now < due_) {
+void Discovery::collect(bool another_lives, canopen::TimePoint now, std::vector<Message>& out) {
+  const bool lived = std::exchange(another_lives_, another_lives);
+  if (another_lives) {
+    prefixes_.keep_all();
     return;
   }
-  const config::Drive& drive = model_.drives[drive_];
-  out.push_back({.topic = topic_of(settings_.home_assistant, drive.name),
-                 .payload = device_of(drive, topics_, drive_, settings_, version_, before_[drive_]).message});
-  if (++drive_ == model_.drives.size()) {
-    drive_ = 0;
-    told_ = now;
-    due_ = canopen::kNever;
+  if (lived) {
+    tell_all_at(now + kPause);  // it may have told its own of our drives
   }
+  prefixes_.collect(now, out);
+  const auto due = std::ranges::find_if(drives_, [now](const Told& drive) { return drive.due <= now; });
+  if (due != drives_.end()) {
+    tell(static_cast<std::size_t>(due - drives_.begin()), now, out);
+  }
+}
+
+void Discovery::tell(std::size_t index, canopen::TimePoint now, std::vector<Message>& out) {
+  Told& drive = drives_[index];
+  Message message{.topic = topic_of(settings_.home_assistant, model_.drives[index].name),
+                  .payload = device_of(model_.drives[index], topics_, index, settings_, version_, drive.before).message,
+                  .puts_right = std::exchange(drive.puts_right, false)};
+  drive.hashes = {std::hash<std::string>{}(message.payload), drive.hashes[0]};
+  drive.last = now;
+  drive.due = canopen::kNever;
+  told_at_.insert(broker_);
+  out.push_back(std::move(message));
 }
 
 }  // namespace mqtt::home_assistant

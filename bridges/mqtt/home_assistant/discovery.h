@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -8,6 +12,7 @@
 
 #include "bridges/mqtt/broker.h"
 #include "bridges/mqtt/home_assistant/device.h"
+#include "bridges/mqtt/home_assistant/prefixes.h"
 #include "bridges/mqtt/leftovers.h"
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/topics.h"
@@ -16,42 +21,61 @@
 
 namespace mqtt::home_assistant {
 
-/// Tells Home Assistant of the drives, a message each on `PREFIX/device/NODE/<drive>/config`: at every connection, and
-/// when it says that it was started. Has what the broker keeps of before removed: drives that are gone, also below a
-/// prefix that was in use before, and entities that are gone. NODE is `<base>_<gateway>`, with '_' for what Home
-/// Assistant takes in no topic.
+/// Tells Home Assistant of the drives, a message each on `PREFIX/device/NODE/<drive>/config`: at every connection, when
+/// it says that it was started, and where somebody else wrote there. Has what the broker keeps of before removed:
+/// drives that are gone, also below a prefix that was in use before, and entities that are gone. NODE is
+/// `<base>_<gateway>`, with '_' for what Home Assistant takes in no topic. While another gateway of our name lives
+/// nothing is told and nothing removed.
 class Discovery {
  public:
   /// What the broker keeps has come by then.
   static constexpr canopen::Duration kPause = std::chrono::seconds(1);
-  /// It is not told again sooner, however often it starts.
+  /// A drive is not told of again sooner, however often Home Assistant starts or somebody writes there.
   static constexpr canopen::Duration kLeast = std::chrono::seconds(10);
-  /// Of one drive, of before; and prefixes of before.
+  /// Of one drive, of before.
   static constexpr std::size_t kMostEntities = 2000;
-  static constexpr std::size_t kMostPrefixes = 16;
 
   /// All outlive it.
   Discovery(const config::Model& model, const config::Mqtt& settings, const Topics& topics, Leftovers& leftovers,
             std::string version);
 
-  /// What is to be watched; more after info_kept().
+  /// A new connection, to this broker.
+  void connected(const std::string& broker);
+  /// What is to be watched on this connection; more after prefixes_kept().
   [[nodiscard]] std::vector<Subscription> subscriptions() const;
-  /// `B/info` as the broker keeps it of before: it names the prefix of then.
-  void info_kept(std::string_view info);
-  /// A new connection.
+  /// Topics::home_assistant() as the broker keeps it of before.
+  void prefixes_kept(std::string_view payload) { prefixes_.read(payload); }
+  /// The broker grants one of them.
+  void granted(std::string_view filter);
+  /// All else was published on this connection.
   void announced(canopen::TimePoint now);
   /// A message that is none of the gateway's tree. False: nor is it one of subscriptions().
   [[nodiscard]] bool heard(const Incoming& message, canopen::TimePoint now);
   /// When to come to collect().
-  [[nodiscard]] canopen::TimePoint next() const noexcept { return due_; }
-  /// Appends the message of one drive where it is time; others of the loop get in between.
-  void collect(canopen::TimePoint now, std::vector<Message>& out);
+  [[nodiscard]] canopen::TimePoint next() const;
+  /// Appends the message of one drive where it is time; others of the loop get in between. Also to be called when
+  /// `another_lives` changes: a gateway of our name.
+  void collect(bool another_lives, canopen::TimePoint now, std::vector<Message>& out);
 
  private:
+  /// What is told of a drive.
+  struct Told {
+    Entities before{};                                   ///< What the broker keeps of it, or kept.
+    canopen::TimePoint due = canopen::kNever;            ///< When it is to be told of.
+    std::optional<canopen::TimePoint> last{};            ///< When it was.
+    std::array<std::optional<std::size_t>, 2> hashes{};  ///< Of the newest two messages.
+    bool puts_right = false;                             ///< Somebody else wrote there.
+    /// Where it was told of and waits for nothing.
+    void tell_again_at(canopen::TimePoint at);
+  };
+
   [[nodiscard]] std::string topic_of(std::string_view prefix, std::string_view drive) const;
   [[nodiscard]] std::string birth_topic() const;
-  void kept(const Incoming& message, canopen::TimePoint now);
+  void kept(const std::string& prefix, const Incoming& message, canopen::TimePoint now);
+  void written(Told& drive, canopen::TimePoint now);
   void tell_all_at(canopen::TimePoint at);
+  [[nodiscard]] Told* find(std::string_view topic);
+  void tell(std::size_t index, canopen::TimePoint now, std::vector<Message>& out);
 
   const config::Model& model_;
   const config::Mqtt& settings_;
@@ -59,11 +83,12 @@ class Discovery {
   Leftovers& leftovers_;
   std::string version_;
   std::string node_;
-  std::set<std::string> prefixes_;  ///< In use now, and of before.
-  std::vector<Entities> before_;    ///< By drive: what the broker keeps of it, or kept.
-  std::size_t drive_ = 0;           ///< The next one to be told of.
-  canopen::TimePoint told_ = canopen::TimePoint::min();
-  canopen::TimePoint due_ = canopen::kNever;
+  Prefixes prefixes_;
+  std::map<std::string, std::size_t, std::less<>> topics_of_drives_;  ///< Positions by topic; empty: switched off.
+  std::vector<Told> drives_;                                          ///< By position.
+  std::string broker_;
+  std::set<std::string> told_at_;  ///< Brokers at which drives were told of.
+  bool another_lives_ = false;
 };
 
 }  // namespace mqtt::home_assistant

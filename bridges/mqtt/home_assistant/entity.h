@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -14,6 +15,9 @@
 // integration.
 
 namespace mqtt::home_assistant {
+
+/// All that we use.
+inline constexpr std::array<std::string_view, 5> kPlatforms{"sensor", "binary_sensor", "number", "select", "button"};
 
 /// Something of a drive that Home Assistant shows, or lets people command.
 struct Entity {

@@ -4,14 +4,16 @@
 #include <boost/json/parse.hpp>
 
 #include "bridges/mqtt/home_assistant/device.h"
+#include "bridges/mqtt/home_assistant/entity.h"
+#include "bridges/mqtt/home_assistant/prefixes.h"
 
 namespace mqtt::home_assistant {
 namespace {
 
 namespace json = boost::json;
 
-// `B/info` of a site with some hundred drives.
-constexpr std::size_t kLongestKept = 4UL * 1024 * 1024;
+// Of a drive with some hundred signals.
+constexpr std::size_t kLongestKept = 1024UL * 1024;
 constexpr std::size_t kDeepestKept = 8;
 constexpr std::size_t kLongestKey = 128;
 
@@ -40,11 +42,16 @@ bool is_of_gateway(const json::object& message, std::string_view status) {
   return first != nullptr && text_in(*first, "topic") == status;
 }
 
-// As we make them: nothing that has to be quoted.
-bool is_key(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestKey && std::ranges::all_of(text, [](char letter) {
-    return (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9') || letter == '_' || letter == '-';
-  });
+// As we make them: nothing that has to be quoted. One that we never make would cost the whole message at Home
+// Assistant.
+bool is_of_ours(std::string_view key, std::string_view platform) {
+  const bool begins = key.size() > platform.size() && key.size() <= kLongestKey && key.starts_with(platform) &&
+                      key[platform.size()] == '_';
+  return begins && std::ranges::find(kPlatforms, platform) != kPlatforms.end() &&
+         std::ranges::all_of(key, [](char letter) {
+           return (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9') || letter == '_' ||
+                  letter == '-';
+         });
 }
 
 }  // namespace
@@ -66,15 +73,24 @@ std::optional<Entities> read_kept_device(std::string_view message, std::string_v
       continue;  // it removes one
     }
     const std::string_view platform = text_in(*component, "platform");
-    if (is_key({key.data(), key.size()}) && is_key(platform)) {
+    if (is_of_ours({key.data(), key.size()}, platform)) {
       entities.emplace(std::string_view(key.data(), key.size()), platform);
     }
   }
   return entities;
 }
 
-std::string read_kept_prefix(std::string_view info) {
-  return std::string(text_in(object_of(info), "home_assistant"));
+std::vector<std::string> read_kept_prefixes(std::string_view kept) {
+  const json::object object = object_of(kept);
+  const json::value* const found = object.if_contains("prefixes");
+  const json::array* const list = found == nullptr ? nullptr : found->if_array();
+  std::vector<std::string> prefixes;
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    if (const json::string* const text = (*list)[i].if_string()) {
+      prefixes.emplace_back(text->data(), text->size());
+    }
+  }
+  return prefixes;
 }
 
 }  // namespace mqtt::home_assistant

@@ -1,7 +1,8 @@
 """What Home Assistant makes of messages: which devices and entities there are, and what each shows. Only of what the
 gateway uses, after the documentation: a value that renders to None is `unknown`; to nothing, or to what is no value of
 the entity, it stays as it was; without all of its availability topics at `online`, or longer than `expire_after` after
-the last message of its state, an entity is `unavailable`."""
+the last message of its state, an entity is `unavailable`. Kinder than it in two things: it loses nothing of a device whose last message
+it is still at work on, and people have enabled what waits for that."""
 import functools
 import json
 

@@ -6,8 +6,10 @@
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <string>
+#include <vector>
 
 #include "bridges/mqtt/home_assistant/device.h"
+#include "bridges/mqtt/home_assistant/prefixes.h"
 #include "tests/unit/mqtt/site.h"
 
 namespace mqtt::home_assistant {
@@ -44,7 +46,7 @@ class HomeAssistantDeviceTest : public testing::Test {
 
 TEST_F(HomeAssistantDeviceTest, ADriveIsADeviceThatIsThereWhileBothAreOnline) {
   const std::string message = device().message;
-  EXPECT_EQ(message.find(R"({"device":{"identifiers":["canopen/line3/pump1"],"name":"pump1","model":"test"},)"
+  EXPECT_EQ(message.find(R"({"device":{"identifiers":["canopen/line3/pump1"],"name":"line3 pump1","model":"test"},)"
                          R"("origin":{"name":"canopen-gateway","sw_version":"1.2.3"},)"
                          R"("availability":[{"topic":"canopen/line3/status"},{"topic":"canopen/line3/pump1/status"}],)"
                          R"("availability_mode":"all","state_topic":"canopen/line3/pump1/state","components":{)"),
@@ -155,6 +157,10 @@ TEST_F(HomeAssistantDeviceTest, WithoutLimitsOfItsOwnASetPointHasThoseOfItsType)
   EXPECT_EQ(limits(), "0 6.5535E2");
   command.type = canopen::DataType::i16;
   EXPECT_EQ(limits(), "-3.2768E2 3.2767E2");
+  command.scale = 0.1;
+  command.decimals = 1;
+  EXPECT_EQ(limits(), "-3.2768E3 3.2767E3") << "and not 3276.7000000000003";
+  command.decimals = 2;
   command.scale = -0.01;
   EXPECT_EQ(limits(), "-3.2767E2 3.2768E2");
   EXPECT_EQ(field(entity("number_frequency_command"), "step"), "1E-2");
@@ -196,6 +202,8 @@ TEST_F(HomeAssistantDeviceTest, NamedCommandsAreAChoiceAndMomentaryOnesButtonsTh
   EXPECT_EQ(field(select, "options"), R"(["forward","st\"op"])");
   EXPECT_EQ(field(select, "value_template"), R"("{{ None }}")");
   EXPECT_EQ(field(select, "command_template"), R"("{{ {'value': value} | tojson }}")");
+  EXPECT_EQ(field(select, "enabled_by_default"), "false") << "one touch of it starts the motor";
+  EXPECT_EQ(field(entity("select_mode"), "enabled_by_default"), "");
   const std::string reset = entity("button_control_command_7");
   EXPECT_EQ(field(reset, "name"), R"("Control command: fault-reset")");
   EXPECT_EQ(field(reset, "payload_press"), R"("{\"value\":\"fault-reset\"}")");
@@ -235,16 +243,19 @@ TEST_F(HomeAssistantDeviceTest, AKeptMessageIsReadBackAndThatOfAnotherGatewayIsN
   EXPECT_EQ(read_kept_device(ours + "}", "canopen/line3/status"), Entities{});
   EXPECT_EQ(read_kept_device(
                 ours + R"(,"components":{"a b":{"platform":"sensor","x":1},"a\"b":{"platform":"sensor","x":1},)" +
-                    R"("a":{"platform":"s\"","x":1},"b":{"platform":"sensor"},"c":5,"d":{"x":1,"y":2}}})",
+                    R"("a":{"platform":"s\"","x":1},"b":{"platform":"sensor"},"c":5,"d":{"x":1,"y":2},)" +
+                    R"("foo_x":{"platform":"foo","x":1},"sensor_x":{"platform":"number","x":1},)" +
+                    R"("sensor":{"platform":"sensor","x":1},"x":{"platform":"","x":1}}})",
                 "canopen/line3/status"),
             Entities{})
       << "nothing of it is one of ours";
 }
 
-TEST_F(HomeAssistantDeviceTest, TheInformationOfBeforeNamesItsPrefix) {
-  EXPECT_EQ(read_kept_prefix(R"({"instance":"0","home_assistant":"homeassistant"})"), "homeassistant");
-  for (const char* other : {"", "{", R"({"home_assistant":null})", R"({"home_assistant":5})", R"({"x":1})"}) {
-    EXPECT_EQ(read_kept_prefix(other), "") << other;
+TEST_F(HomeAssistantDeviceTest, ThePrefixesOfBeforeAreReadWhateverStandsThere) {
+  EXPECT_EQ(read_kept_prefixes(R"({"prefixes":["homeassistant",5,"a/b"]})"),
+            (std::vector<std::string>{"homeassistant", "a/b"}));
+  for (const char* other : {"", "{", "[]", R"({"prefixes":null})", R"({"prefixes":"x"})", R"({"x":1})"}) {
+    EXPECT_TRUE(read_kept_prefixes(other).empty()) << other;
   }
 }
 

@@ -21,6 +21,7 @@ using test::PlantSite;
 
 constexpr const char* kPumpConfig = "homeassistant/device/canopen_line3/pump1/config";
 constexpr const char* kGoneConfig = "homeassistant/device/canopen_line3/old/config";
+constexpr const char* kMemory = "canopen/line3/home_assistant";
 constexpr const char* kBirthTopic = "homeassistant/status";
 constexpr const char* kConfigFilter = "homeassistant/device/canopen_line3/+/config";
 constexpr const char* kKeptConfig = R"({"availability":[{"topic":"canopen/line3/status"}],"components":{)"
@@ -33,13 +34,13 @@ config::Model model_with(std::string prefix) {
   return model;
 }
 
-/// The first connection, as its look finds `info`.
-void connect_behind(PlantSite& site, const std::string& info) {
+/// The first connection, as its look finds these prefixes.
+void connect_behind(PlantSite& site, const std::string& prefixes) {
   site.broker().events->on_connected({.id = 1, .broker = "10.0.0.1:1883"});
   site.loop().settle();
   site.broker().unanswered.clear();
   site.broker().events->on_subscribed({.filter = "canopen/line3/#"});
-  site.receive({.topic = "canopen/line3/info", .payload = info, .retained = true});
+  site.receive({.topic = kMemory, .payload = prefixes, .retained = true});
   site.run(Session::kQuiet + 100ms);
   site.broker().events->on_unsubscribed("canopen/line3/#");
   site.loop().settle();
@@ -97,10 +98,10 @@ TEST(MqttHomeAssistant, EachDriveIsToldOf) {
   PlantSite site(std::move(model));
   site.connect();
   site.run(2s);
-  EXPECT_TRUE(
-      contains(site.broker().newest("a/b/device/site_1_canopen_line3/pump1/config").payload, R"("name":"pump1")"));
-  EXPECT_TRUE(
-      contains(site.broker().newest("a/b/device/site_1_canopen_line3/pump2/config").payload, R"("name":"pump2")"));
+  EXPECT_TRUE(contains(site.broker().newest("a/b/device/site_1_canopen_line3/pump1/config").payload,
+                       R"("name":"line3 pump1")"));
+  EXPECT_TRUE(contains(site.broker().newest("a/b/device/site_1_canopen_line3/pump2/config").payload,
+                       R"("name":"line3 pump2")"));
 }
 
 TEST(MqttHomeAssistant, IsToldAgainWhenItSaysThatItIsThere) {
@@ -130,7 +131,7 @@ TEST(MqttHomeAssistant, ADriveThatIsGoneIsRemovedThere) {
   EXPECT_TRUE(site.broker().subscription(kConfigFilter).kept);
   site.receive({.topic = kGoneConfig, .payload = kKeptConfig, .retained = true}, 2s);
   EXPECT_EQ(site.broker().newest(kGoneConfig), Message{.topic = kGoneConfig});
-  EXPECT_TRUE(contains(site.broker().newest(kPumpConfig).payload, R"("name":"pump1")"));
+  EXPECT_TRUE(contains(site.broker().newest(kPumpConfig).payload, R"("name":"line3 pump1")"));
   ASSERT_FALSE(site.notices().empty());
   EXPECT_TRUE(contains(site.notices().back(), kGoneConfig)) << site.notices().back();
 }
@@ -170,7 +171,7 @@ TEST(MqttHomeAssistant, OneThatIsHeardOfLateIsRemovedAllTheSame) {
 TEST(MqttHomeAssistant, SwitchedOffAllOfItIsEmptied) {
   PlantSite site;
   site.bring_up_drive();
-  connect_behind(site, R"({"instance":"ffff222233334444","home_assistant":"homeassistant"})");
+  connect_behind(site, R"({"prefixes":["homeassistant"]})");
   EXPECT_TRUE(is_subscribed(site, kConfigFilter));
   EXPECT_FALSE(is_subscribed(site, kBirthTopic));
   site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 1s);
@@ -180,7 +181,7 @@ TEST(MqttHomeAssistant, SwitchedOffAllOfItIsEmptied) {
 TEST(MqttHomeAssistant, BelowAnotherPrefixThanBeforeTheOldOneIsEmptied) {
   PlantSite site(model_with("home"));
   site.bring_up_drive();
-  connect_behind(site, R"({"home_assistant":"homeassistant"})");
+  connect_behind(site, R"({"prefixes":["homeassistant"]})");
   site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 2s);
   EXPECT_EQ(site.broker().on(kPumpConfig), std::vector<std::string>{""});
   EXPECT_TRUE(contains(site.broker().newest("home/device/canopen_line3/pump1/config").payload, "sensor_nmt"));
@@ -189,20 +190,100 @@ TEST(MqttHomeAssistant, BelowAnotherPrefixThanBeforeTheOldOneIsEmptied) {
 TEST(MqttHomeAssistant, WhatIsNoPrefixIsNotWatched) {
   for (const char* prefix : {"", "#", "a/+", "$SYS", "canopen", "canopen/line3", "a\\u0000b"}) {
     PlantSite site;
-    connect_behind(site, std::string(R"({"home_assistant":")") + prefix + "\"}");
+    connect_behind(site, std::string(R"({"prefixes":[")") + prefix + "\"]}");
     for (const Subscription& each : site.broker().subscribed) {
       EXPECT_TRUE(each.filter.starts_with("canopen/line3/") && !contains(each.filter, "/device/")) << each.filter;
     }
   }
 }
 
+constexpr const char* kOthersHealth = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})";
+
+TEST(MqttHomeAssistant, WhereAnotherGatewayLivesNothingIsToldUntilItIsGone) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.receive({.topic = "canopen/line3/health", .payload = kOthersHealth}, 100ms);
+  site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 5s);
+  site.receive({.topic = kBirthTopic, .payload = "online"}, 5s);
+  EXPECT_TRUE(site.broker().on(kPumpConfig).empty()) << "it may hold more than ours";
+  site.run(181s);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U);
+}
+
+TEST(MqttHomeAssistant, BehindALifeThatEndedWithoutAWordItIsToldWhenNobodyElseIsHeard) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.broker().events->on_connected({.id = 1});
+  site.loop().settle();
+  site.broker().unanswered.clear();
+  site.broker().events->on_subscribed({.filter = "canopen/line3/#"});
+  site.receive({.topic = "canopen/line3/status", .payload = "online", .retained = true});
+  site.run(Session::kQuiet + 100ms);
+  site.broker().events->on_unsubscribed("canopen/line3/#");
+  site.loop().settle();
+  site.broker().answer_subscriptions();
+  site.run(64s);
+  EXPECT_TRUE(site.broker().on(kPumpConfig).empty());
+  site.run(2s);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U);
+}
+
+TEST(MqttHomeAssistant, WhatSomebodyElseWritesOfADriveIsPutRightAndNamed) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.run(Discovery::kLeast + 2s);
+  const std::string ours = site.broker().newest(kPumpConfig).payload;
+  site.broker().forget();
+  site.receive({.topic = kPumpConfig, .payload = ours}, 15s);
+  EXPECT_TRUE(site.broker().on(kPumpConfig).empty()) << "MQTT 3.1.1 sends back what is ours";
+  const std::string others = R"({"components":{"button_stop":{"payload_press":"{\"value\":\"forward\"}"}}})";
+  site.receive({.topic = kPumpConfig, .payload = others}, 100ms);
+  EXPECT_EQ(site.broker().newest(kPumpConfig).payload, ours);
+  EXPECT_TRUE(site.broker().newest(kPumpConfig).puts_right);
+  ASSERT_FALSE(site.notices().empty());
+  EXPECT_TRUE(contains(site.notices().back(), std::string("somebody else wrote on ") + kPumpConfig))
+      << site.notices().back();
+  for (int i = 0; i < 100; ++i) {
+    site.receive({.topic = kPumpConfig, .payload = others}, 50ms);
+  }
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U) << "5 s later";
+  site.run(Discovery::kLeast);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 2U);
+  site.receive({.topic = kPumpConfig}, Discovery::kLeast);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 3U) << "nor may it be taken away";
+}
+
+TEST(MqttHomeAssistant, WhatTheBrokerKeepsOfSomebodyElseOnATopicOfOursIsNamed) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.receive({.topic = kPumpConfig,
+                .payload = R"({"availability":[{"topic":"canopen_line3/status"}],"components":{}})",
+                .retained = true},
+               2s);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U);
+  ASSERT_FALSE(site.notices().empty());
+  EXPECT_TRUE(contains(site.notices().back(), kPumpConfig)) << site.notices().back();
+}
+
+TEST(MqttHomeAssistant, AStartInTheMidstOfTellingCountsForThoseToldBefore) {
+  PlantSite site(model_with("homeassistant"));
+  site.bring_up_drive();
+  site.connect();
+  site.run(Discovery::kPause + 50ms);
+  site.receive({.topic = kBirthTopic, .payload = "online"}, 5s);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 1U);
+  site.run(Discovery::kLeast);
+  EXPECT_EQ(site.broker().on(kPumpConfig).size(), 2U);
+}
+
 TEST(MqttHomeAssistant, WhereAnotherGatewayLivesNothingIsRemoved) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  site.receive({.topic = "canopen/line3/health",
-                .payload = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})"},
-               100ms);
+  site.receive({.topic = "canopen/line3/health", .payload = kOthersHealth}, 100ms);
   site.receive({.topic = kGoneConfig, .payload = kKeptConfig, .retained = true}, 5s);
   EXPECT_TRUE(site.broker().on(kGoneConfig).empty());
 }
