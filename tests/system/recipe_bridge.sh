@@ -1,8 +1,7 @@
 #!/bin/bash
 # docs/recipes/mosquitto-bridge.md as it stands: everything is at the far broker, with its expiry; nothing comes back, but
 # what the page lets in; a link that was down leaves no old value and no late command. With an expiry of 6 s in place of
-# 90 s. By recipe_run,
-# in ctest -C long.
+# 90 s. By recipe_run, in ctest -C long.
 . "$(dirname "$0")/recipe_lib.sh"
 broker_host=broker.plant.example
 credentials=(-u dashboard -P change-me-2)

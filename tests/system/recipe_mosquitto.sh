@@ -12,7 +12,7 @@ expect "no password is left in plain text" "" "$(grep change-me "$site/etc/mosqu
 
 say "how much a subscriber is sent at once"
 listens() { wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"; }
-# sent_at_once: of 1500 retained topics; the broker that has them ends
+# sent_at_once COUNT: so many of 1500 retained topics come to one who subscribes then
 sent_at_once() {
   listens
   /usr/bin/python3 - "$broker_host" <<'END'
@@ -28,14 +28,17 @@ for number in range(1500):
 last.wait_for_publish()
 client.disconnect()
 END
-  as dashboard change-me-2 mosquitto_sub -q 1 -t 'canopen/#' --retained-only -W 2 2>/dev/null | wc -l
+  as dashboard change-me-2 mosquitto_sub -q 1 -t 'canopen/#' --retained-only -C "$1" -W 60 2>/dev/null | wc -l
 }
 sed '/max_queued_messages/d' "$site/etc/mosquitto/conf.d/plant.conf" >"$site/etc/mosquitto/conf.d/default.conf"
 recipe_broker mosquitto default.conf
-expect "without the page's line: 20 on their way and 1000 more" 1020 "$(sent_at_once)"
+expect "without the page's line: 20 on their way and 1000 more" 1020 "$(sent_at_once 1020)"
+dropped='Outgoing messages are being dropped'
+expect_match "and no more" "$dropped" "$(cat "$work/mosquitto.err")"
 ended mosquitto
 recipe_broker mosquitto plant.conf
-expect "with it" 1500 "$(sent_at_once)"
+expect "with it" 1500 "$(sent_at_once 1500)"
+expect "what is dropped" "" "$(grep "$dropped" "$work/mosquitto.err")"
 ended mosquitto
 
 recipe_broker mosquitto plant.conf
