@@ -37,6 +37,11 @@ expect_match "the table names the gateway" '^gateway line3 ' "$table"
 expect_match "and the bus" '^bus can0  error-active  load [0-9.]+ %$' "$table"
 expect_match "and each drive" '^pump1 +can0 +5 +operational +ok +[0-9.]+ s +yes +no' "$table"
 
+say "every program of this machine may send on CAN, as the security guide says"
+mark
+setpriv --reuid 65534 --regid 65534 --clear-groups cansend vcan0 7F1#0105 || fail "nobody may not send"
+expect_frames "what nobody sent" 1 ' 7F1#0105'
+
 say "set runs a drive"
 mark
 expect "answer" "ok

@@ -38,10 +38,11 @@ recipe() {
 
 further() { cat "$site$1.further" >>"$site$1"; }
 
-# recipe_commands PAGE HEADING: the commands below it, for here
+# recipe_commands PAGE HEADING: the commands below it, for here. What mosquitto_passwd asks for stands behind it on the page.
 recipe_commands() {
   "$root/tests/system/recipe_files.py" "$root/docs/recipes/$1.md" --sh "$2" |
-    sed "s,/etc/,$site/etc/,g; s,scripts/test-ca,$root/scripts/test-ca,g; s/-o canopen-gateway/-o root/"
+    sed -e "s,/etc/,$site/etc/,g; s,scripts/test-ca,$root/scripts/test-ca,g; s/-o canopen-gateway/-o root/" \
+      -e 's/^mosquitto_passwd \([^ -][^ ]*\) \([^ ]*\)  *# asks: /mosquitto_passwd -b \1 \2 /'
 }
 recipe_do() {
   (cd "$work" && bash -euc "$(recipe_commands "$@")") >"$work/commands.out" 2>"$work/commands.err" ||
@@ -55,6 +56,15 @@ recipe_broker() {
   for file; do cat "$site/etc/mosquitto/conf.d/$file"; done >"$work/$name.conf"
   launch "$name" mosquitto -c "$work/$name.conf"
 }
+
+# short_expiry SECONDS: in place of the pages' 90
+short_expiry() {
+  sed -i "s/^expiry = \"90s\" .*/expiry = \"$1s\"/" "$site/etc/canopen-gateway/gateway.toml"
+  grep -q "^expiry = \"$1s\"" "$site/etc/canopen-gateway/gateway.toml" || fail "the page has no expiry of 90 s"
+}
+
+# listens: the plant's broker does
+listens() { wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"; }
 
 # ended NAME: ends it in order and waits
 ended() {

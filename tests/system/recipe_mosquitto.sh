@@ -1,7 +1,7 @@
 #!/bin/bash
 # docs/recipes/mosquitto.md and mosquitto-tls.md as they stand: the access rules let pass what they say and nothing else,
-# the gateway needs no more than they give it; with TLS and client certificates the same, and certificates that are renewed
-# on the disk count at the next connection. By recipe_run.
+# the gateway needs no more than they give it, and nobody takes its client id; with TLS and client certificates the same.
+# The times that pages name are those that the gateway gives its messages. By recipe_run.
 . "$(dirname "$0")/recipe_lib.sh"
 broker_host=broker.plant.example
 credentials=(-u dashboard -P change-me-2)
@@ -10,41 +10,22 @@ recipe mosquitto
 recipe_do mosquitto Broker
 expect "no password is left in plain text" "" "$(grep change-me "$site/etc/mosquitto/passwd")"
 
-say "how much a subscriber is sent at once"
-listens() { wait_until 10 "the broker listens" bash -c "echo >/dev/tcp/$broker_host/$broker_port"; }
-# sent_at_once: of 1500 retained topics; the broker that has them ends
-sent_at_once() {
-  listens
-  /usr/bin/python3 - "$broker_host" <<'END'
-import sys
-import paho.mqtt.client
-client = paho.mqtt.client.Client()
-client.username_pw_set("line3", "change-me-1")
-client.max_queued_messages_set(0)
-client.connect(sys.argv[1])
-client.loop_start()
-for number in range(1500):
-    last = client.publish(f"canopen/line3/{number}", "x", 1, True)
-last.wait_for_publish()
-client.disconnect()
-END
-  as dashboard change-me-2 mosquitto_sub -q 1 -t 'canopen/#' --retained-only -W 2 2>/dev/null | wc -l
-}
-sed '/max_queued_messages/d' "$site/etc/mosquitto/conf.d/plant.conf" >"$site/etc/mosquitto/conf.d/default.conf"
-recipe_broker mosquitto default.conf
-expect "without the page's line: 20 on their way and 1000 more" 1020 "$(sent_at_once)"
-ended mosquitto
-recipe_broker mosquitto plant.conf
-expect "with it" 1500 "$(sent_at_once)"
-ended mosquitto
-
 recipe_broker mosquitto plant.conf
 listens
+# watch_status: hears who is there at the moment when it is said; told_expiry: how many seconds the newest `online` lives
+watch_status() {
+  launch told stdbuf -oL mosquitto_sub -d -V 5 -h "$broker_host" -u service -P change-me-4 -t "$topics/status" -F '%E %p' -W 60
+  wait_until 5 "somebody watches" grep -q '^Subscribed' "$work/told.out"
+}
+told_expiry() { sed -n 's/ online$//p' "$work/told.out" | tail -n 1; }
+watch_status
 recipe_gateway
 recipe_drive
 wait_until 15 "the drive is online" is_retained pump1/status online
 wait_until 15 "the gateway is online" is_retained status online
 wait_until 10 "all subscriptions are there" field_is health '.refused_subscriptions | length' 0
+expiry=$(told_expiry)
+ended told
 
 say "the command of the page"
 answer=$(bash -euc "$(recipe_commands mosquitto "A command, and who may not")")
@@ -62,8 +43,17 @@ refused "raw objects by the one who commands" as scada change-me-3 "${publish[@]
 refused "an alarm that he forges" as scada change-me-3 "${publish[@]}" -r -t "$topics/pump1/alarm/emcy" -m '{}'
 refused "a wrong password" as scada change-me-2 "${publish[@]}" -t "$frequency" -m 10
 refused "nobody's command" mosquitto_pub -V 5 -h "$broker_host" -q 1 -t "$frequency" -m 10
-refused "the gateway elsewhere" as line3 change-me-1 "${publish[@]}" -t "canopen/line4/status" -m offline
+refused "a device of Home Assistant, forged" as scada change-me-3 "${publish[@]}" -r -t homeassistant/device/canopen_line3/pump1/config -m '{}'
 expect "what the drive was told" 30 "$(field pump1/state .values.output_frequency)"
+
+say "who takes the gateway's client id"
+# By the broker's log: the gateway tells of a break a moment later.
+thrown_out() { grep -c 'line3 already connected, closing old connection' "$work/mosquitto.err"; }
+for id in line3 canopen-gateway-line3; do
+  expect "a dashboard that calls itself $id" online "$(as dashboard change-me-2 mosquitto_sub -V 5 -i $id -t "$topics/status" -C 1 -W 5)"
+done
+expect "how often the gateway was thrown out" 0 "$(thrown_out)"
+refused "somebody without a name" mosquitto_sub -V 5 -h "$broker_host" -i x -t "$topics/status" -C 1 -W 5
 
 say "who may"
 answer=$(as service change-me-4 mosquitto_rr -V 5 -W 5 -t "$topics/pump1/sdo/request" -e answers/service/1 \
@@ -76,12 +66,22 @@ wait "${started[results]}"
 expect_match "an answer outside of answers/#" '"code":"forbidden"' "$(cat "$work/results.out")"
 expect_match "stop" '"ok":true' "$(as scada change-me-3 mosquitto_rr -V 5 -W 5 -t "$topics/stop" -e answers/scada/2 -m 1)"
 
+say "what listens, and where the password is not"
+gateway_process=$(ss -Htnp state established "dport = :$broker_port" | sed -n 's/.*"canopen-gateway",pid=\([0-9]*\),.*/\1/p')
+expect_match "the gateway" '^[0-9]+$' "$gateway_process"
+expect "what it listens on" "" "$(ss -Hltunp | grep "pid=$gateway_process,")"
+as dashboard change-me-2 mosquitto_sub -t 'canopen/#' --retained-only -W 2 >"$work/kept" 2>/dev/null
+expect "where the password is" "" \
+  "$(grep -l change-me-1 "$work/kept" "$work/gateway.err" "/proc/$gateway_process/cmdline" "/proc/$gateway_process/environ")"
+
 say "recipes whose programs are not here read what is there"
 order 5 fault 0x0005
 wait_until 10 "an alarm is listed" field_is alarms '.[0].drive' pump1
 as dashboard change-me-2 mosquitto_sub -t 'canopen/#' --retained-only -W 2 -F '%t %p' >"$work/kept" 2>/dev/null
-expect "what does not fit" "" "$("$root/tests/system/recipe_topics.py" <"$work/kept" 2>&1)"
+expect "what does not fit" "" "$("$root/tests/system/recipe_topics.py" topics <"$work/kept" 2>&1)"
 order 5 clear
+recipe telegraf
+recipe_do telegraf "Broker and gateway"
 recipe home-assistant # its rules; the gateway that runs does not look at its file again
 recipe_do home-assistant Broker
 kill -HUP "${started[mosquitto]}"
@@ -90,98 +90,34 @@ granted "a discovery message" as line3 change-me-1 "${publish[@]}" -r -t $discov
 refused "a device of somebody else" as line3 change-me-1 "${publish[@]}" -r -t homeassistant/device/other/x/config -m '{}'
 expect "what Home Assistant finds" "$discovery/pump1/config {}" \
   "$(as homeassistant change-me-10 mosquitto_sub -t 'homeassistant/#' -C 1 -W 5 -F '%t %p')"
+expect "what Telegraf hears" "$topics/pump1/state" \
+  "$(as telegraf-values change-me-11 mosquitto_sub -t 'canopen/+/+/state' -C 1 -W 5 -F %t)"
 granted "a birth message" as homeassistant change-me-10 "${publish[@]}" -t homeassistant/status -m online
 granted "a command of Home Assistant" as homeassistant change-me-10 "${publish[@]}" -t "$frequency" -m 12
 refused "NMT by Home Assistant" as homeassistant change-me-10 "${publish[@]}" -t "$topics/pump1/nmt/set" -m stop
 
-say "readers without a name"
-sed -i 's/allow_anonymous false/allow_anonymous true/' "$site/etc/mosquitto/conf.d/plant.conf"
-ended mosquitto
-recipe_broker mosquitto plant.conf
-wait_until 15 "the gateway is back" is_retained status online
-anonymous=(mosquitto_sub -h "$broker_host" -W 2 -F %t)
-expect "what nobody in particular reads" "$topics/status" "$("${anonymous[@]}" -t 'canopen/#' 2>/dev/null)"
-refused "nobody's command" mosquitto_pub -V 5 -h "$broker_host" -q 1 -t "$frequency" -m 10
-
-say "TLS"
+say "TLS, with an expiry that nobody has set"
 recipe mosquitto-tls
 recipe_do mosquitto-tls Certificates
-sed -i 's/allow_anonymous true/allow_anonymous false/' "$site/etc/mosquitto/conf.d/plant.conf"
+"$root/scripts/test-ca" "$work/certificates" client dashboard
+sed -i '/^expiry/d' "$site/etc/canopen-gateway/gateway.toml"
 ended gateway
 ended mosquitto
 recipe_broker mosquitto plant.conf plant-tls.conf
+listens
+watch_status
 recipe_gateway
 wait_until 15 "the gateway is online by TLS" is_retained status online
 expect "the broker that it names" broker.plant.example:8883 "$(field health .broker)"
+expect "what does not fit the times of the pages" "" \
+  "$("$root/tests/system/recipe_topics.py" times "$expiry" "$(told_expiry)" 2>&1)"
 tls() {
   mosquitto_pub -V 5 -h "$broker_host" -p 8883 --cafile "$work/certificates/ca.crt" -q 1 -t canopen/line4/status -m x "$@"
 }
-expect_match "no client certificate" 'error|Error' "$(tls 2>&1)"
-refused "another tree than its name's" tls --cert "$work/certificates/line3.crt" --key "$work/certificates/line3.key"
-
-say "the gateway's certificate is renewed, first by a stranger"
-gateway_etc=$site/etc/canopen-gateway
-connected() { grep -c 'MQTT: connected' "$work/gateway.err"; }
-again() { [ "$(connected)" -gt "$connections" ]; }
-reconnect() {
-  connections=$(connected)
-  ended mosquitto
-  recipe_broker mosquitto plant.conf plant-tls.conf
-}
-install_client() { # install_client AUTHORITY
-  "$root/scripts/test-ca" "$work/$1" client line3
-  install -m 600 "$work/$1/line3.key" "$gateway_etc/line3.key"
-  install -m 644 "$work/$1/line3.crt" "$gateway_etc/line3.crt"
-}
-install_server() {
-  "$root/scripts/test-ca" "$work/$1" server broker.plant.example
-  install -m 644 "$work/$1/broker.plant.example.crt" "$site/etc/mosquitto/certs/broker.crt"
-  install -m 600 -o mosquitto "$work/$1/broker.plant.example.key" "$site/etc/mosquitto/certs/broker.key"
-}
-install_client stranger
-expect "nothing happens while the connection stands" online "$(retained status)"
-reconnect
-wait_until 20 "the log says so" grep -q 'refuses the client certificate' "$work/gateway.err"
-expect "connections without the right one" "$connections" "$(connected)"
-install_client certificates
-wait_until 20 "connected again" is_retained status online
-
-say "the broker's certificate is renewed"
-serial() {
-  openssl s_client -connect "$broker_host:8883" -servername "$broker_host" -CAfile "$work/certificates/ca.crt" </dev/null \
-    2>/dev/null | openssl x509 -noout -serial
-}
-connections=$(connected)
-before=$(serial)
-install_server certificates
-kill -HUP "${started[mosquitto]}" # systemctl reload
-changed() { [ -n "$(serial)" ] && [ "$(serial)" != "$before" ]; }
-wait_until 10 "new connections see it" changed
-expect "the connection stands meanwhile" "$connections" "$(connected)"
-expect "the drive" online "$(retained pump1/status)"
-
-say "the gateway's connection is ended at a time of one's own, as the page does"
-launch watch mosquitto_sub "${credentials[@]}" -h "$broker_host" -t "$topics/status" -F %p -W 60
-sleep 0.5
-breaks() { grep -c 'the connection broke' "$work/gateway.err"; }
-broken=$(breaks)
-eval "$(recipe_commands mosquitto-tls "A certificate is renewed" | sed 's/ dst .*//')" >/dev/null 2>&1
-sleep 1
-if [ "$(breaks)" -gt "$broken" ]; then
-  wait_until 10 "it is back" again
-  expect "what others saw" online "$(uniq "$work/watch.out")"
-else
-  say "this kernel does not end connections of others (ss -K)"
-fi
-
-say "the authority is renewed: at both sides the old and the new one, then the certificates"
-cat "$work/certificates/ca.crt" "$work/stranger/ca.crt" >"$work/both.crt"
-install -m 644 "$work/both.crt" "$gateway_etc/plant-ca.crt"
-install -m 644 "$work/both.crt" "$site/etc/mosquitto/certs/plant-ca.crt"
-reconnect
-wait_until 15 "with the old certificates" again
-install_client stranger
-install_server stranger
-reconnect
-wait_until 15 "with the new ones" again
-expect "nothing secret in the log" "" "$(grep -E 'change-me|PRIVATE' "$work/gateway.err")"
+mine=(--cert "$work/certificates/dashboard.crt" --key "$work/certificates/dashboard.key")
+for id in line3 canopen-gateway-line3; do
+  refused "what the name of a certificate may not" tls "${mine[@]}" -i $id
+done
+expect "how often that threw the gateway out" 0 "$(thrown_out)"
+tls >/dev/null 2>&1 && fail "somebody without a certificate may write"
+wait_until 5 "the broker says why" grep -q 'peer did not return a certificate' "$work/mosquitto.err"

@@ -1,6 +1,7 @@
 #!/bin/bash
-# What docs/SECURITY.md says of the program itself: what listens, who may read what it keeps, where the password is not to
-# be found, credentials of systemd, who may send on CAN. Run inside tests/vcan/run.
+# What docs/SECURITY.md says of the program itself: what listens, who may read what it keeps under the unit, where the
+# password is not to be found, credentials of systemd, who may send on CAN. Run inside tests/vcan/run, in ctest -C long;
+# what needs no CAN is looked at by recipe_mosquitto.sh, too.
 . "$(dirname "$0")/recipe_lib.sh"
 broker_host=broker.plant.example
 credentials=(-u dashboard -P change-me-2)
@@ -20,7 +21,10 @@ say "secrets by systemd: a credential goes before the file beside the configurat
 mkdir "$work/credentials"
 mv "$site/etc/canopen-gateway/mqtt-password" "$work/credentials/mqtt-password"
 echo wrong >"$site/etc/canopen-gateway/mqtt-password"
-umask 077 # that of the unit
+unit() { sed -n "s/^$1=//p" "$root/systemd/canopen-gateway.service"; }
+umask 022
+install -d -m "$(unit StateDirectoryMode)" "$work/state"
+umask "$(unit UMask)" || fail "the unit has no UMask"
 export CREDENTIALS_DIRECTORY=$work/credentials
 recipe_gateway
 unset CREDENTIALS_DIRECTORY
@@ -33,7 +37,9 @@ say "what is open"
 expect "what listens" "127.0.0.1:1502" \
   "$(ss -Hltunp | grep "pid=${started[gateway]}," | awk '{print $5}')"
 expect "the control socket" 660 "$(stat -c %a "$work/control")"
-expect "what others may see of what is kept" "" "$(find "$work/state" -perm /077)"
+expect "the directory of what is kept" 750 "$(stat -c %a "$work/state")"
+expect "files that are not 0600" "" "$(find "$work/state" -type f ! -perm 600)"
+expect "directories in it that others may see" "" "$(find "$work/state" -mindepth 1 -type d -perm /077)"
 expect_match "that something is kept" . "$(find "$work/state" -type f -size +0 -path '*journal*')"
 
 say "what leaks where"

@@ -15,6 +15,9 @@ if [ -s "$directory/remarks" ]; then
   cat "$directory/remarks" >&2
   exit 1
 fi
+systemd-analyze security --offline=yes --threshold=17 "$directory/canopen-gateway.service" >"$directory/report" ||
+  { cat "$directory/report" >&2; exit 1; }
+tail -n 1 "$directory/report"
 
 # The drop-in of the security guide.
 cd ..
@@ -25,8 +28,4 @@ if [ -s "$directory/remarks" ]; then
   cat "$directory/remarks" >&2
   exit 1
 fi
-cd systemd
-systemd-analyze security --offline=yes --threshold=17 "$directory/canopen-gateway.service" >"$directory/report" ||
-  { cat "$directory/report" >&2; exit 1; }
-tail -n 1 "$directory/report"
-systemd-sysusers --dry-run "$PWD/canopen-gateway.sysusers"
+systemd-sysusers --dry-run "$PWD/systemd/canopen-gateway.sysusers"
