@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bridges/mqtt/info.h"
+#include "bridges/process/command_checks.h"
 
 namespace mqtt {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 using canopen::kNever;
 // Longer than the usual deadline of a command.
 constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
+// Whether a broker may be left now, where it may be at the next good moment.
+constexpr canopen::Duration kLeaveCheck = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -161,9 +164,7 @@ canopen::TimePoint Bridge::turn() {
   session_.tick(now);
   other_.tick(now);
   follow_session();
-  if (may_leave_ && session_.ready() && requests_.is_idle()) {
-    leave();
-  }
+  const canopen::TimePoint leaves = leave_if_ready(now);
   if (session_.ready()) {
     collect(now);
   } else {
@@ -172,7 +173,7 @@ canopen::TimePoint Bridge::turn() {
   if (!batch_.empty() && !stopping_) {
     send_batch();
   }
-  return std::min({next_, session_.deadline(), other_.next()});
+  return std::min({next_, session_.deadline(), other_.next(), leaves});
 }
 
 void Bridge::announce() {
@@ -231,8 +232,38 @@ void Bridge::follow_session() {
   }
 }
 
+canopen::TimePoint Bridge::leave_if_ready(canopen::TimePoint now) {
+  if (!may_leave_ || stopping_ || !session_.ready()) {
+    return kNever;
+  }
+  const std::string drives = drives_that_count_on_mqtt();
+  if (!drives.empty() && !std::exchange(said_why_not_, true)) {
+    notice_(
+        Level::info,
+        "MQTT: the first broker takes connections again; " + connection_->broker +
+            " is left for it when no drive runs whose `timeout` waits for signs of life by MQTT, as now: " + drives);
+  }
+  if (drives.empty() && requests_.is_idle()) {
+    leave();
+    return kNever;
+  }
+  return now + kLeaveCheck;
+}
+
+std::string Bridge::drives_that_count_on_mqtt() const {
+  std::string names;
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
+    const process::Drive& drive = plant_.drive(i);
+    if (drive.counts_on(mqtt_writer()) && !process::refuse_writer(drive.model(), mqtt_writer())) {
+      names += (names.empty() ? "" : ", ") + drive.model().name;
+    }
+  }
+  return names;
+}
+
 void Bridge::leave() {
   may_leave_ = false;
+  leaving_ = true;
   broker_->leave(session_.connection(), last_words());
   session_.lost();
   follow_session();

@@ -76,7 +76,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_connected(const Connected& connection) override;
   void on_taken_over() override;
   void on_no_connection(const std::string& why) override { last_break_ = why; }
-  void on_may_leave(ConnectionId connection) override;
+  void on_may_leave(ConnectionId connection, bool may) override;
   void on_disconnected(const std::string& why) override;
   void on_subscribed(const Subscribed& subscribed) override;
   void on_unsubscribed(const std::string& filter) override;
@@ -97,8 +97,11 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void elsewhere(const Incoming& message);
   /// What an orderly end says, behind all that waits here.
   [[nodiscard]] std::vector<Message> last_words();
-  /// The broker, for the first one.
+  /// This broker for the first one, as soon as nothing suffers by it; returns when to look again.
+  canopen::TimePoint leave_if_ready(canopen::TimePoint now);
   void leave();
+  /// Drives that a command timeout would stop or change if MQTT fell silent for a moment, for people; empty: none.
+  [[nodiscard]] std::string drives_that_count_on_mqtt() const;
   /// Somebody published on the topic of a status.
   void status_received(const Incoming& message, const Route& route);
   void health_may_differ();
@@ -128,7 +131,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   std::optional<Connected> connection_;
   std::string last_break_;  ///< Why the last connection ended, or none came about since.
   bool was_connected_ = false;
-  bool may_leave_ = false;  ///< This broker, as soon as no command is under way.
+  bool may_leave_ = false;  ///< This broker, as soon as nothing suffers by it.
+  bool leaving_ = false;    ///< The last words there are said.
+  bool said_why_not_ = false;
 
   boost::asio::any_io_executor executor_;
   canopen::Timer timer_;

@@ -12,7 +12,7 @@ void Bridge::on_connected(const Connected& connection) {
     return;  // the last words are said
   }
   connection_ = connection;
-  may_leave_ = false;
+  may_leave_ = leaving_ = said_why_not_ = false;
   const std::string place = place_of(connection);
   session_.connected(connection, canopen::Clock::now());
   leftovers_.connected(place);
@@ -26,16 +26,16 @@ void Bridge::on_taken_over() {
   other_.took_over(canopen::Clock::now());
 }
 
-void Bridge::on_may_leave(ConnectionId connection) {
-  if (connection_ && connection == connection_->id && !stopping_) {
-    may_leave_ = true;
+void Bridge::on_may_leave(ConnectionId connection, bool may) {
+  if (connection_ && connection == connection_->id && !stopping_ && !leaving_) {
+    may_leave_ = may;
     wake(canopen::Clock::now());
   }
 }
 
 void Bridge::on_disconnected(const std::string& why) {
   connection_.reset();
-  may_leave_ = false;
+  may_leave_ = leaving_ = false;
   last_break_ = why;
   session_.lost();
   other_.lost();
@@ -67,6 +67,10 @@ void Bridge::on_unsubscribed(const std::string& /*filter*/) {
 }
 
 void Bridge::on_message(Incoming message) {
+  if (leaving_) {
+    requests_.come_too_late(message);
+    return;
+  }
   // A stop counts however it comes: carried out twice it does no harm, lost it does.
   if (session_.sets_aside(message, canopen::Clock::now()) && !requests_.is_stop(message)) {
     looked_at(message);

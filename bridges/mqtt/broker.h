@@ -66,8 +66,8 @@ class BrokerEvents {
   /// None came about, for a reason that somebody has to mend: what, and how.
   virtual void on_no_connection(const std::string& /*why*/) {}
   /// The connection, to another broker than the first, is to be ended by leave() at the next good moment: the first one
-  /// can be reached again.
-  virtual void on_may_leave(ConnectionId /*connection*/) {}
+  /// would take us. With `may` false it is not any more: the first one is gone again.
+  virtual void on_may_leave(ConnectionId /*connection*/, bool /*may*/) {}
   /// `why` in words, with what the broker said by name.
   virtual void on_disconnected(const std::string& why) = 0;
   /// The answer to one of the subscriptions of subscribe(). None comes where the connection goes first.

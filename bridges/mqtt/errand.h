@@ -17,8 +17,11 @@ class Errand {
  public:
   /// False: no thread is to be had.
   bool start(std::function<T()> work) {
-    std::packaged_task<T()> task(std::move(work));
-    std::future<T> result = task.get_future();
+    std::packaged_task<Done()> task([to_do = std::move(work)] {
+      T result = to_do();
+      return Done{std::move(result), std::chrono::steady_clock::now()};
+    });
+    std::future<Done> result = task.get_future();
     try {
       std::thread(std::move(task)).detach();
     } catch (const std::system_error&) {
@@ -35,11 +38,29 @@ class Errand {
     if (!result_.valid() || result_.wait_for(patience) != std::future_status::ready) {
       return std::nullopt;
     }
-    return result_.get();
+    return result_.get().result;
   }
 
+  /// What came of it more than `age` ago is not to be had any more: another one may be begun.
+  void forget_older(std::chrono::milliseconds age) {
+    if (result_.valid() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+      Done done = result_.get();
+      if (std::chrono::steady_clock::now() - done.at <= age) {
+        std::promise<Done> again;
+        again.set_value(std::move(done));
+        result_ = again.get_future();
+      }
+    }
+  }
+  /// Nobody wants to know any more what comes of it.
+  void forget() { result_ = {}; }
+
  private:
-  std::future<T> result_;
+  struct Done {
+    T result;
+    std::chrono::steady_clock::time_point at;  ///< When it ended.
+  };
+  std::future<Done> result_;
 };
 
 }  // namespace mqtt

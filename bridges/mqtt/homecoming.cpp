@@ -1,6 +1,17 @@
 #include "bridges/mqtt/homecoming.h"
 
+#include <algorithm>
+
 namespace mqtt {
+
+Homecoming::Step Homecoming::due(TimePoint now) const noexcept {
+  if (looked_ && now - *looked_ < interval_) {
+    return Step::none;
+  }
+  // A trial is good for a while: the password may have been changed since.
+  const bool wants_trial = !taken_ || now - *taken_ >= shortest_;
+  return since_ && now - *since_ >= reachable_ && wants_trial ? Step::try_it : Step::look;
+}
 
 void Homecoming::looked(bool reached, TimePoint now) noexcept {
   constexpr int kMissed = 3;
@@ -9,9 +20,40 @@ void Homecoming::looked(bool reached, TimePoint now) noexcept {
   looked_ = now;
   if (!reached) {
     since_.reset();
+    taken_.reset();
   } else if (!since_ || gap) {
     since_ = now;
+    taken_.reset();
   }
+}
+
+void Homecoming::tried(bool taken, TimePoint now) noexcept {
+  looked(taken, now);
+  if (taken) {
+    taken_ = now;
+  } else {
+    fail(now);
+  }
+}
+
+void Homecoming::ended(Milliseconds stood, bool stays, TimePoint now) noexcept {
+  if (stood >= shortest_) {
+    reachable_ = shortest_;
+    returning_ = false;
+  }
+  arriving_ = false;
+  looked_ = now;
+  since_.reset();
+  taken_.reset();
+  if (returning_ && !stays) {
+    fail(now);
+  }
+}
+
+void Homecoming::fail(TimePoint now) noexcept {
+  returning_ = false;
+  looked_ = now;
+  reachable_ = std::max(shortest_, std::min<Milliseconds>(2 * reachable_, kLongest));
 }
 
 }  // namespace mqtt

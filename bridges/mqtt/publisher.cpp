@@ -15,6 +15,7 @@ Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings se
       notice_(std::move(notice)),
       loop_(std::make_shared<LoopPost>(
           executor, [this](Incoming&& message) { events_->on_message(std::move(message)); }, notice_)),
+      pulse_(settings_.quiet),
       traffic_(settings_.client.qos, [this](Level level, std::string text) { say(level, std::move(text)); }),
       rotation_(settings_.brokers.size(),
                 {settings_.first_pause, settings_.longest_pause, settings_.pause_after_refusal},

@@ -20,6 +20,7 @@
 #include "bridges/mqtt/loop_post.h"
 #include "bridges/mqtt/notice.h"
 #include "bridges/mqtt/pulse.h"
+#include "bridges/mqtt/reach.h"
 #include "bridges/mqtt/rotation.h"
 #include "bridges/mqtt/traffic.h"
 #include "canopen/clock.h"
@@ -40,8 +41,11 @@ struct PublisherSettings {
   std::chrono::milliseconds pause_after_refusal{60000};  ///< Of credentials, and after a take-over of our client id.
   std::chrono::milliseconds return_after{600000};        ///< Reachable for so long, the first broker is tried again.
   std::chrono::milliseconds look_interval{30000};        ///< So often it is looked for.
-  std::chrono::milliseconds farewell{2000};              ///< For the last messages at the end.
-  std::chrono::milliseconds resolve_patience{300000};    ///< A publisher that resolves longer stands still.
+  std::chrono::milliseconds quiet{2000};  ///< A broker that says nothing for so long is asked, where there is another.
+  std::chrono::milliseconds stalled = Traffic::kStalledOfSeveral;  ///< And given up where it says nothing for so long.
+  std::chrono::milliseconds hurried{3000};   ///< For a broker's name, and for a connection, where there is another.
+  std::chrono::milliseconds farewell{2000};  ///< For the last messages at the end.
+  std::chrono::milliseconds resolve_patience{300000};  ///< A publisher that resolves longer stands still.
   /// alive(): longest time of the thread without a sign of life; longer than the second in which it gives one.
   std::chrono::milliseconds silence{30000};
   Resolver resolver = resolve;
@@ -93,8 +97,9 @@ class Publisher final : public Broker, private ClientEvents {
   /// How the turn of a broker ended.
   struct Turn {
     Line::End end;
-    bool stood = false;    ///< There was a connection.
-    bool held = false;     ///< For long enough to be a good one.
+    bool stood = false;  ///< There was a connection.
+    bool held = false;   ///< For long enough to be a good one.
+    std::chrono::milliseconds stood_for{};
     bool to_mend = false;  ///< There was none for a reason that is to be told.
   };
 
@@ -119,6 +124,9 @@ class Publisher final : public Broker, private ClientEvents {
   [[nodiscard]] Line::End serve_until_end();
   [[nodiscard]] bool is_silent();
   void look_home();
+  void begin_look(Homecoming::Step step);
+  /// The loop is to know whether the broker in use may be left.
+  void tell_may_leave(bool may);
   [[nodiscard]] bool carry_out(Lock& lock);
   [[nodiscard]] bool send(Lock& lock);
   void drop_client();
@@ -157,8 +165,9 @@ class Publisher final : public Broker, private ClientEvents {
   std::vector<Candidate> candidates_;
   Rotation rotation_;
   Homecoming homecoming_;
-  Errand<bool> look_;       ///< For the first broker, from another one.
-  std::string last_place_;  ///< Broker and address of the last connection.
+  Errand<Reach> look_;       ///< For the first broker, from another one.
+  bool look_tries_ = false;  ///< It is a connection on trial.
+  std::string last_place_;   ///< Broker and address of the last connection.
 
   // The loop's own.
   std::thread thread_;

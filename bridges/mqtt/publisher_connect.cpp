@@ -1,9 +1,9 @@
 // The turn of one broker: look up its name, try its addresses, serve the connection that comes about.
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 
+#include "bridges/mqtt/password.h"
 #include "bridges/mqtt/publisher.h"
 #include "bridges/mqtt/reasons.h"
 
@@ -15,25 +15,15 @@ using namespace std::chrono_literals;
 constexpr auto kLookUpCheck = 50ms;
 // Beyond connect_timeout, by which Paho gives up, but not at once.
 constexpr auto kPahoDelay = 2s;
-// Where there is another broker, which is to be in use 10 s after this one fell silent: for its name, for all of its
-// addresses together, and for each of them. When all were tried in vain they have all the time that one alone has.
-constexpr auto kNamePatience = 3s;
+// Where there is another broker, which is to be in use 10 s after this one fell silent: for all addresses of a name
+// together, and for each of them. When all were tried in vain they have all the time that one alone has.
+constexpr auto kNameAge = 30s;
 constexpr auto kLongNamePatience = 10s;
 constexpr auto kTurnPatience = 6000ms;
 constexpr auto kShortestPatience = 1000ms;
-constexpr auto kLongestPatience = 3000ms;
 // For the cause why TLS fails, after an attempt that took as long as it may: it is told within 10 s.
 constexpr auto kTlsPatience = 3s;
 constexpr auto kTlsPatienceOfSeveral = 1s;
-
-// Nothing: it cannot be read, or is empty.
-std::optional<std::string> first_line(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  line.resize(std::min(line.find('\r'), line.size()));
-  return line.empty() ? std::nullopt : std::optional(std::move(line));
-}
 
 }  // namespace
 
@@ -65,12 +55,13 @@ void Publisher::find_addresses() {
     const Guard lock(mutex_);
     expect_sign_of_life(is_one_of_several() ? settings_.silence : settings_.resolve_patience);
   }
-  // One that is asked for still is not asked for again.
+  // One that is asked for still is not asked for again; what was true a while ago may not be any more.
+  asked.look_up.forget_older(kNameAge);
   if (!asked.look_up.runs()) {
     (void)asked.look_up.start([resolver = settings_.resolver, broker = asked.broker] { return resolver(broker); });
   }
   const bool hurries = is_one_of_several() && rotation_.is_first_round();
-  const auto end = Clock::now() + (hurries ? kNamePatience : kLongNamePatience);
+  const auto end = Clock::now() + std::chrono::milliseconds(hurries ? settings_.hurried : kLongNamePatience);
   std::optional<std::vector<std::string>> found;
   while (!found && asked.look_up.runs() && !is_finishing() && !(is_one_of_several() && Clock::now() > end)) {
     found = asked.look_up.take(kLookUpCheck);
@@ -131,7 +122,7 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
   }
   ClientSettings settings = settings_.client;
   if (!settings_.password_file.empty()) {
-    std::optional<std::string> password = first_line(settings_.password_file);
+    std::optional<std::string> password = password_of(settings_.password_file);
     if (!password) {
       return Refusal{.why = "password_file " + settings_.password_file +
                             " cannot be read, or begins with an empty line; give it a first line, readable for the "
@@ -160,11 +151,13 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
 }
 
 std::chrono::milliseconds Publisher::connect_patience() {
-  if (!has_elsewhere() || !rotation_.is_first_round()) {
+  const bool returns = rotation_.at() == 0 && homecoming_.is_arriving();  // which was tried before
+  if (!has_elsewhere() || !rotation_.is_first_round() || returns) {
     return settings_.client.connect_timeout + kPahoDelay;
   }
   const auto share = kTurnPatience / static_cast<std::chrono::milliseconds::rep>(candidate().attempts.addresses());
-  return std::clamp<std::chrono::milliseconds>(share, kShortestPatience, kLongestPatience);
+  return std::min<std::chrono::milliseconds>(std::max<std::chrono::milliseconds>(share, kShortestPatience),
+                                             settings_.hurried);
 }
 
 std::optional<Refusal> Publisher::await_connection(std::chrono::milliseconds patience, int version) {

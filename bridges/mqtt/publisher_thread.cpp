@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "bridges/mqtt/publisher.h"
-#include "bridges/mqtt/reach.h"
 #include "bridges/mqtt/reasons.h"
 
 namespace mqtt {
@@ -26,8 +25,6 @@ constexpr auto kEndCheck = 50ms;
 // After the farewell; both together are shorter than kStopLimit.
 constexpr auto kLetGo = 1s;
 constexpr auto kForEver = 24h * 3650;
-// For the first broker, when it is looked for from another one.
-constexpr auto kLookPatience = 3s;
 
 // Signals are the daemon's main thread's; Paho's threads inherit this.
 void block_signals() {
@@ -69,19 +66,34 @@ std::chrono::milliseconds Publisher::turn_to_next(const Turn& turn) {
     outcome = turn.end.stays ? Outcome::taken_over : outcome;
     outcome = turn.end.left ? Outcome::left : outcome;
   }
-  if (rotation_.at() == 0) {
-    homecoming_.looked(false, now);
-  }
   if (turn.stood && outcome != Outcome::silent) {
     candidate().attempts.restart();
   }
-  return rotation_.next(outcome, now);
+  if (outcome == Outcome::left) {
+    homecoming_.went();
+    candidates_.front().said.clear();  // why it does not give one this time is news
+  }
+  const bool at_first = rotation_.at() == 0;
+  const auto duration = rotation_.next(outcome, now);
+  if (at_first) {
+    homecoming_.ended(turn.stood_for, rotation_.at() == 0, now);
+  }
+  return duration;
 }
 
 Publisher::Turn Publisher::serve() {
   const auto begun = Clock::now();
+  look_.forget();  // it was begun in an earlier turn
   Turn turn{.end = serve_until_end(), .stood = true};
-  turn.held = Clock::now() - begun > kGoodConnection;
+  const auto stood = Clock::now() - begun;
+  turn.stood_for = std::chrono::duration_cast<std::chrono::milliseconds>(stood);
+  turn.held = stood > kGoodConnection;
+  {
+    const Guard lock(mutex_);
+    // Who was suspected a while ago is not why it broke now.
+    turn.end.stays =
+        turn.end.stays && (is_takeover(line_.down_code) || turn.stood_for <= 2 * settings_.pause_after_refusal);
+  }
   if (turn.held) {
     candidate().said.clear();
   }
@@ -129,24 +141,7 @@ bool Publisher::is_silent() {
     line_.orders.push_back({.subscription = {.filter = settings_.pulse_filter}, .ends = true});
     pulse_.asked(now);
   }
-  return traffic_.stalled(now, Traffic::kStalledOfSeveral) || pulse_.stopped(Traffic::kStalledOfSeveral, now);
-}
-
-void Publisher::look_home() {
-  if (rotation_.at() == 0 || line_.asked_to_leave) {
-    return;
-  }
-  if (const std::optional<bool> reached = look_.take()) {
-    homecoming_.looked(*reached, Clock::now());
-  } else if (!look_.runs() && homecoming_.due(Clock::now())) {
-    (void)look_.start([resolver = settings_.resolver, first = settings_.brokers.front(), tls = settings_.client.tls] {
-      return reaches(first, resolver(first), tls, kLookPatience);
-    });
-  }
-  if (homecoming_.is_time(Clock::now())) {
-    line_.asked_to_leave = true;
-    loop_->post([this, connection = line_.connection] { events_->on_may_leave(connection); });
-  }
+  return traffic_.stalled(now, settings_.stalled) || pulse_.stopped(settings_.stalled, now);
 }
 
 bool Publisher::carry_out(Lock& lock) {

@@ -4,6 +4,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <exception>
+#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -18,10 +19,6 @@ using canopen::ErrorKind;
 using canopen::Result;
 
 namespace {
-
-process::Writer mqtt_writer() {
-  return {.way = process::Writer::Way::mqtt, .address = {}};
-}
 
 process::Origin origin_of(const Incoming& incoming, std::string id) {
   process::Origin origin{.writer = mqtt_writer(), .id = std::move(id), .received = incoming.received};
@@ -52,6 +49,10 @@ bool carries_no_command(const Route& route) {
 
 }  // namespace
 
+process::Writer mqtt_writer() {
+  return {.way = process::Writer::Way::mqtt, .address = {}};
+}
+
 Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant, const Topics& topics, Publish publish)
     : executor_(std::move(executor)),
       plant_(plant),
@@ -59,6 +60,19 @@ Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant,
       under_way_(std::make_shared<UnderWay>(executor_, plant.size(), std::move(publish))) {}
 
 void Requests::handle(const Incoming& incoming, const Route& route) {
+  take(incoming, route, std::nullopt);
+}
+
+void Requests::come_too_late(const Incoming& incoming) {
+  const auto route = topics_.route(incoming.topic);
+  if (route && (route->kind == Route::Kind::alive || !carries_no_command(*route))) {
+    take(incoming, *route,
+         Error{.kind = ErrorKind::offline,
+               .detail = "the gateway is on its way to another broker; nothing was sent, give the command there"});
+  }
+}
+
+void Requests::take(const Incoming& incoming, const Route& route, const std::optional<Error>& refusal) {
   if (!under_way_->open) {
     return;
   }
@@ -90,7 +104,7 @@ void Requests::handle(const Incoming& incoming, const Route& route) {
     }
     asker.ticket = earlier ? Duplicates::kNone : under_way_->duplicates.remember(incoming, now);
   }
-  const Result<void> begun = begin(incoming, command, asker);
+  const Result<void> begun = refusal && !command.stops ? Result<void>(*refusal) : begin(incoming, command, asker);
   if (begun.has_error()) {
     under_way_->settle(asker, refuse(incoming, command, begun.error()));
   }
@@ -121,7 +135,7 @@ bool Requests::is_stop(const Incoming& incoming) const {
 }
 
 bool Requests::is_idle() const noexcept {
-  return under_way_->total == 0;
+  return under_way_->total == std::accumulate(under_way_->reads.begin(), under_way_->reads.end(), std::size_t{0});
 }
 
 boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {

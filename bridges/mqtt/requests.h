@@ -12,11 +12,15 @@
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/plant.h"
+#include "bridges/process/writer.h"
 
 namespace mqtt {
 
 struct Asker;
 struct UnderWay;
+
+/// Whoever publishes commands: one writer.
+[[nodiscard]] process::Writer mqtt_writer();
 
 /// Commands that came from the broker: what must not be carried out is answered at once, the rest goes to its drive,
 /// and each is answered when the drive's outcome is there. In this order: retained, forbidden, expired, duplicate, all
@@ -38,10 +42,14 @@ class Requests {
   /// A message of one of Topics::command_subscriptions(), and what its topic is.
   void handle(const Incoming& incoming, const Route& route);
 
+  /// A message that comes while the broker is being left: a stop is carried out, a sign of life counts; any other
+  /// command is refused, for what it asks might be done while nobody sees it.
+  void come_too_late(const Incoming& incoming);
+
   /// It stops a drive that may be stopped this way, or all. From any thread: reads nothing but the configuration.
   [[nodiscard]] bool is_stop(const Incoming& incoming) const;
 
-  /// No command is under way.
+  /// No command is under way. Reads may be: they move nothing, and their answers go along to the next broker.
   [[nodiscard]] bool is_idle() const noexcept;
 
   /// Takes no more commands and waits for those under way, `patience` at most: whoever is left then ends with its
@@ -73,6 +81,8 @@ class Requests {
   /// each of them where it is a stop for all.
   [[nodiscard]] process::Outcome refuse(const Incoming& incoming, const Command& command, canopen::Error mistake);
   [[nodiscard]] canopen::Result<void> begin(const Incoming& incoming, Command& command, const Asker& asker);
+  /// `refusal`: of all but stops.
+  void take(const Incoming& incoming, const Route& route, const std::optional<canopen::Error>& refusal);
   void take_sign_of_life(const Incoming& incoming, const Route& route);
 
   boost::asio::any_io_executor executor_;

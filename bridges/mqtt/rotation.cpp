@@ -1,6 +1,7 @@
 #include "bridges/mqtt/rotation.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace mqtt {
 
@@ -24,21 +25,36 @@ Rotation::Milliseconds Rotation::next(Outcome outcome, TimePoint now) {
       return go_on(now);
     case Outcome::broke:
       step_ = 0;
-      return next_pause();
+      left_.reset();
+      return breaks_often(now) ? go_on(now) : next_pause();
     case Outcome::brief:
-      return brief_ < kBrief ? next_pause() : go_on(now);
+      return breaks_often(now) || brief_ >= kBrief ? go_on(now) : next_pause();
     case Outcome::taken_over:
       return pauses_.barred;
     case Outcome::left:
-      at_ = 0;
+      left_ = std::exchange(at_, 0);
+      ends_.clear();
       return Milliseconds(0);
   }
   return next_pause();
 }
 
+bool Rotation::breaks_often(TimePoint now) {
+  ends_.push_back(now);
+  while (now - ends_.front() > kEndsWithin) {
+    ends_.pop_front();
+  }
+  return ends_.size() >= kEnds && places_.size() > 1;
+}
+
 Rotation::Milliseconds Rotation::go_on(TimePoint now) {
   brief_ = 0;
+  ends_.clear();
   places_[at_].tried = true;
+  if (const auto left = std::exchange(left_, std::nullopt)) {
+    at_ = *left;
+    return Milliseconds(0);
+  }
   for (std::size_t i = 1; i < places_.size(); ++i) {
     const std::size_t other = (at_ + i) % places_.size();
     if (!places_[other].tried && places_[other].barred_until <= now) {

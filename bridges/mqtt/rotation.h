@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -33,10 +35,13 @@ class Rotation {
     brief,       ///< It stood, but not for long.
     silent,      ///< It stood, and the broker said nothing any more.
     taken_over,  ///< Another client has our client id, or seems to.
-    left         ///< It was ended for the sake of the first broker.
+    left         ///< It was ended for the sake of the first broker. Where that gives none, it is made again.
   };
   /// Where so many connections in a row do not stand for long, and there is another broker, that one is tried.
   static constexpr int kBrief = 4;
+  /// Likewise where so many break within kEndsWithin, however long each stood.
+  static constexpr std::size_t kEnds = 5;
+  static constexpr std::chrono::minutes kEndsWithin{5};
 
   /// `brokers`: how many, at least one.
   Rotation(std::size_t brokers, const Pauses& pauses, std::uint32_t seed);
@@ -55,6 +60,7 @@ class Rotation {
   };
 
   Milliseconds go_on(TimePoint now);
+  [[nodiscard]] bool breaks_often(TimePoint now);
   Milliseconds begin_round(TimePoint now);
   Milliseconds next_pause();
   void forget_round();
@@ -62,9 +68,11 @@ class Rotation {
   Pauses pauses_;
   std::vector<Place> places_;
   std::size_t at_ = 0;
-  int brief_ = 0;           ///< In a row, at this broker.
-  unsigned step_ = 0;       ///< Of the pauses.
-  std::size_t rounds_ = 0;  ///< Without a connection, in a row.
+  int brief_ = 0;                      ///< In a row, at this broker.
+  std::deque<TimePoint> ends_{};       ///< Of its connections.
+  std::optional<std::size_t> left_{};  ///< For the first; until that broke, or was followed.
+  unsigned step_ = 0;                  ///< Of the pauses.
+  std::size_t rounds_ = 0;             ///< Without a connection, in a row.
   std::minstd_rand random_;
 };
 

@@ -126,16 +126,14 @@ int carry_out(SSL& session, const TcpConnection& connection, Clock::time_point e
   }
 }
 
-struct TlsTrial {
-  bool shaken = false;    ///< Both took the handshake for done.
-  std::string mistake{};  ///< Why not, or why it was of no use, where TLS is the reason.
-};
-
-TlsTrial try_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
-                 std::chrono::milliseconds patience) {
+// Shakes hands, and then talks: what comes of that as carry_out() tells. Returns why it failed, where TLS is the
+// reason.
+template <class Talk>
+std::string try_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
+                    std::chrono::milliseconds patience, Talk talk) {
   const Context context = make_context();
   if (!context || !load(*context, files).empty()) {
-    return {.mistake = tls_files_mistake(files)};
+    return tls_files_mistake(files);
   }
   const Clock::time_point end = Clock::now() + patience;  // the system's authorities take a while to read
   const TcpConnection connected = connect_to(addresses, broker.port, end);
@@ -150,21 +148,19 @@ TlsTrial try_tls(const config::Endpoint& broker, const std::vector<std::string>&
   }
   int how = carry_out(*session, connected, end, [&] { return SSL_connect(session.get()); });
   if (how == SSL_ERROR_NONE) {
-    char byte = 0;
-    // With TLS 1.3 a broker refuses a certificate when the client takes the handshake for done (RFC 8446 §4.4.2.4); one
-    // that is slow, with all the time that is left.
-    how = carry_out(*session, connected, end, [&] { return SSL_read(session.get(), &byte, 1); });
+    // With TLS 1.3 a broker refuses a certificate when the client takes the handshake for done (RFC 8446 §4.4.2.4).
+    how = talk(*session, connected, end);
     // A broker that waits for the CONNECT has nothing against us; one that closes without a word says nothing of TLS.
-    return {.shaken = true, .mistake = how == SSL_ERROR_SSL ? tls_text_of_failure(how, files) : std::string()};
+    return how == SSL_ERROR_SSL ? tls_text_of_failure(how, files) : std::string();
   }
   if (how == SSL_ERROR_WANT_READ) {
-    return {.mistake =
-                "TLS: the broker does not answer the handshake; it may hang or be starting, or this is not its "
-                "TLS port (as a rule 8883)"};
+    return "TLS: the broker does not answer the handshake; it may hang or be starting, or this is not its TLS port (as "
+           "a "
+           "rule 8883)";
   }
   const long certificate = SSL_get_verify_result(session.get());
-  return {.mistake = certificate != X509_V_OK ? tls_text_of_certificate(certificate, depth, broker, files)
-                                              : tls_text_of_failure(how, files)};
+  return certificate != X509_V_OK ? tls_text_of_certificate(certificate, depth, broker, files)
+                                  : tls_text_of_failure(how, files);
 }
 
 }  // namespace
@@ -176,13 +172,37 @@ std::string tls_files_mistake(const TlsFiles& files) {
 
 std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::string>& addresses,
                         const TlsFiles& files, std::chrono::milliseconds patience) {
-  return try_tls(broker, addresses, files, patience).mistake;
+  // One that is slow has all the time that is left.
+  return try_tls(broker, addresses, files, patience, [](SSL& session, const TcpConnection& to, Clock::time_point end) {
+    char byte = 0;
+    return carry_out(session, to, end, [&] { return SSL_read(&session, &byte, 1); });
+  });
 }
 
-bool shakes_hands(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
-                  std::chrono::milliseconds patience) {
-  const TlsTrial trial = try_tls(broker, addresses, files, patience);
-  return trial.shaken && trial.mistake.empty();
+Answer ask_by_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
+                  const Question& question, std::chrono::milliseconds patience) {
+  Answer answer;
+  const auto say = [](SSL& session, const TcpConnection& to, Clock::time_point end, const std::string& words) {
+    return carry_out(session, to, end,
+                     [&] { return SSL_write(&session, words.data(), static_cast<int>(words.size())); });
+  };
+  answer.mistake =
+      try_tls(broker, addresses, files, patience, [&](SSL& session, const TcpConnection& to, Clock::time_point end) {
+        SSL_set_options(&session, SSL_OP_IGNORE_UNEXPECTED_EOF);  // to close without a word is an answer here
+        int how = say(session, to, end, question.words);
+        while (how == SSL_ERROR_NONE && answer.words.size() < question.answer) {
+          char byte = 0;
+          how = carry_out(session, to, end, [&] { return SSL_read(&session, &byte, 1); });
+          answer.words.append(how == SSL_ERROR_NONE ? 1U : 0U, byte);
+        }
+        answer.closed = how != SSL_ERROR_NONE && how != SSL_ERROR_WANT_READ;
+        if (how == SSL_ERROR_NONE && !question.goodbye.empty()) {
+          (void)say(session, to, end, question.goodbye);
+        }
+        return how;
+      });
+  answer.closed = answer.closed && answer.mistake.empty();
+  return answer;
 }
 
 }  // namespace mqtt

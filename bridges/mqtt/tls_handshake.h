@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/mqtt/exchange.h"
 #include "config/model.h"
 
 namespace mqtt {
@@ -28,8 +29,8 @@ struct TlsFiles {
 [[nodiscard]] std::string tls_mistake(const config::Endpoint& broker, const std::vector<std::string>& addresses,
                                       const TlsFiles& files, std::chrono::milliseconds patience);
 
-/// It succeeds, at the same addresses. Takes all of `patience` where the broker then waits for a CONNECT.
-[[nodiscard]] bool shakes_hands(const config::Endpoint& broker, const std::vector<std::string>& addresses,
-                                const TlsFiles& files, std::chrono::milliseconds patience);
+/// What the broker says to a question, at the same addresses.
+[[nodiscard]] Answer ask_by_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses,
+                                const TlsFiles& files, const Question& question, std::chrono::milliseconds patience);
 
 }  // namespace mqtt

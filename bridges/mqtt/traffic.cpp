@@ -125,7 +125,7 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
   progress_ = now;
 }
 
-bool Traffic::stalled(TimePoint now, std::chrono::seconds patience) const {
+bool Traffic::stalled(TimePoint now, std::chrono::milliseconds patience) const {
   if (under_way_.empty()) {
     return false;
   }

@@ -65,7 +65,7 @@ class Traffic {
   [[nodiscard]] bool nothing_waits() const { return open_ && under_way_.empty() && outbox_.empty(); }
   /// Nothing is under way.
   [[nodiscard]] bool is_idle() const noexcept { return under_way_.empty(); }
-  [[nodiscard]] bool stalled(TimePoint now, std::chrono::seconds patience = kStalled) const;
+  [[nodiscard]] bool stalled(TimePoint now, std::chrono::milliseconds patience = kStalled) const;
   [[nodiscard]] BrokerCounts counts() const;
 
  private:

@@ -53,6 +53,10 @@ class CommandTimeout {
   /// When expire() is to be called; kNever: not before something else happens.
   [[nodiscard]] canopen::TimePoint next_time() const noexcept;
 
+  /// It will act where `writer` falls silent from now on.
+  [[nodiscard]] bool counts_on(const Writer& writer) const noexcept {
+    return counting_ && (!watched_ || *watched_ == writer);
+  }
   /// It has acted, and no command has ended that.
   [[nodiscard]] bool acted() const noexcept { return acted_; }
   [[nodiscard]] std::optional<alarms::ControlAlarm> alarm() const;

@@ -96,6 +96,7 @@ class Commands {
 
   [[nodiscard]] const Commanded& commanded() const noexcept { return commanded_; }
   [[nodiscard]] ControlState control() const { return control_.state(); }
+  [[nodiscard]] bool counts_on(const Writer& writer) const noexcept { return control_.counts_on(writer); }
   /// A command with these fields is a stop.
   [[nodiscard]] bool is_stop(std::span<const FieldWrite> fields) const;
   /// SDO abort code of the last command that the drive refused; 0: none, or superseded or void since.

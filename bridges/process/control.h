@@ -70,6 +70,8 @@ class Control {
   void on_values_failed(std::string why, canopen::TimePoint now);
   [[nodiscard]] canopen::TimePoint next_time() const noexcept;
 
+  /// The drive may run, and the command timeout acts where `writer` falls silent.
+  [[nodiscard]] bool counts_on(const Writer& writer) const noexcept { return timeout_.counts_on(writer); }
   [[nodiscard]] ControlState state() const;
 
  private:

@@ -100,6 +100,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   [[nodiscard]] bool is_stop(std::span<const FieldWrite> fields) const { return commands_.is_stop(fields); }
   [[nodiscard]] const Commanded& commanded() const noexcept { return commands_.commanded(); }
   [[nodiscard]] ControlState control() const { return commands_.control(); }
+  /// It may run, and its command timeout acts where `writer` falls silent.
+  [[nodiscard]] bool counts_on(const Writer& writer) const noexcept { return commands_.counts_on(writer); }
   /// SDO abort code of the last command that the drive refused; 0: none, or one was superseded or void since.
   [[nodiscard]] std::uint32_t last_refused_abort() const noexcept { return commands_.last_refused_abort(); }
   /// Fields that the last write that failed had written before it failed.

@@ -2,30 +2,40 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "bridges/mqtt/publisher.h"
-#include "bridges/mqtt/pulse.h"
 
 namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
+using Step = Homecoming::Step;
 
 class HomecomingTest : public testing::Test {
  protected:
-  /// Looks for it as often as it is due, for so long; when it was time to go back.
-  std::optional<std::chrono::seconds> time_within(std::chrono::seconds limit, bool reached = true) {
+  /// Does what is due for so long; when the first trial was due, which is not made.
+  std::optional<std::chrono::seconds> trial_within(std::chrono::seconds limit, bool reached = true) {
     const auto begun = now_;
     for (; now_ - begun < limit; now_ += 1s) {
-      if (homecoming_.is_time(now_)) {
+      const Step step = homecoming_.due(now_);
+      if (step == Step::try_it) {
         return std::chrono::duration_cast<std::chrono::seconds>(now_ - begun);
       }
-      if (homecoming_.due(now_)) {
+      if (step == Step::look) {
         homecoming_.looked(reached, now_);
       }
     }
     return std::nullopt;
+  }
+  /// The first takes a trial, is gone back to, and its turn ends like this.
+  void go_back(Homecoming::Milliseconds stood, bool stays = false) {
+    homecoming_.tried(true, now_);
+    EXPECT_TRUE(homecoming_.may_go());
+    homecoming_.went();
+    now_ += stood;
+    homecoming_.ended(stood, stays, now_);
   }
 
   // As it is without further words.
@@ -33,42 +43,69 @@ class HomecomingTest : public testing::Test {
   Homecoming::TimePoint now_{1h};
 };
 
-TEST_F(HomecomingTest, IsAfterTenMinutesInWhichTheFirstCouldBeReached) {
-  EXPECT_EQ(time_within(1h), 600s);
+TEST_F(HomecomingTest, IsTriedAfterTenMinutesInWhichTheFirstCouldBeReached) {
+  EXPECT_EQ(trial_within(1h), 600s);
+  EXPECT_FALSE(homecoming_.may_go()) << "to be reached is not enough";
+  homecoming_.tried(true, now_);
+  EXPECT_TRUE(homecoming_.may_go());
 }
 
 TEST_F(HomecomingTest, IsNeverWhereItCannotBeReached) {
-  EXPECT_EQ(time_within(24h, false), std::nullopt);
+  EXPECT_EQ(trial_within(24h, false), std::nullopt);
 }
 
 TEST_F(HomecomingTest, OneFailureBeginsItAnew) {
-  EXPECT_EQ(time_within(590s), std::nullopt);
+  EXPECT_EQ(trial_within(590s), std::nullopt);
   homecoming_.looked(false, now_);
-  EXPECT_EQ(time_within(1h), 630s) << "looked for after half a minute";
+  EXPECT_EQ(trial_within(1h), 630s) << "looked for after half a minute";
 }
 
 TEST_F(HomecomingTest, TimeInWhichNobodyLookedDoesNotCount) {
-  EXPECT_EQ(time_within(300s), std::nullopt);
+  EXPECT_EQ(trial_within(300s), std::nullopt);
   now_ += 1h;  // the machine slept
   homecoming_.looked(true, now_);
-  EXPECT_FALSE(homecoming_.is_time(now_));
-  EXPECT_EQ(time_within(1h), 600s);
+  EXPECT_EQ(trial_within(1h), 600s);
 }
 
-TEST(Pulse, AsksWhereNothingCameAndWaitsForAnyWord) {
-  const Pulse::TimePoint start(1h);
-  Pulse pulse;
-  pulse.heard(start);
-  EXPECT_FALSE(pulse.wants(start + Pulse::kQuiet - 1ms));
-  EXPECT_FALSE(pulse.stopped(5s, start + 1h)) << "it was asked nothing";
-  ASSERT_TRUE(pulse.wants(start + Pulse::kQuiet));
-  pulse.asked(start + Pulse::kQuiet);
-  EXPECT_FALSE(pulse.wants(start + 1h)) << "once";
-  EXPECT_FALSE(pulse.stopped(5s, start + Pulse::kQuiet + 5s));
-  EXPECT_TRUE(pulse.stopped(5s, start + Pulse::kQuiet + 5s + 1ms));
-  pulse.heard(start + 4s);
-  EXPECT_FALSE(pulse.stopped(5s, start + 1h));
-  EXPECT_TRUE(pulse.wants(start + 4s + Pulse::kQuiet));
+TEST_F(HomecomingTest, EachTrialThatFailsDoublesTheTimeUpToFourHours) {
+  std::chrono::seconds expected = 600s;
+  for (int i = 0; i < 8; ++i) {
+    const auto waited = trial_within(24h);
+    ASSERT_TRUE(waited);
+    EXPECT_GE(*waited, expected);
+    EXPECT_LE(*waited, expected + 60s);
+    homecoming_.tried(false, now_);
+    EXPECT_FALSE(homecoming_.may_go());
+    expected = std::min<std::chrono::seconds>(2 * expected, 4h);
+  }
+}
+
+TEST_F(HomecomingTest, EachReturnThatFailsDoublesItUntilTheFirstHeld) {
+  ASSERT_TRUE(trial_within(1h));
+  go_back(0ms);
+  EXPECT_GE(trial_within(24h).value_or(0s), 1200s);
+  go_back(5min);  // and broke again and again
+  EXPECT_GE(trial_within(24h).value_or(0s), 2400s);
+  go_back(10min);
+  EXPECT_LE(trial_within(24h).value_or(24h), 660s) << "it was in use for long enough";
+}
+
+TEST_F(HomecomingTest, ABreakAtTheFirstIsNoFailureWhileItIsItsTurn) {
+  ASSERT_TRUE(trial_within(1h));
+  go_back(1min, true);
+  EXPECT_FALSE(homecoming_.is_arriving()) << "from now on it hurries";
+  homecoming_.ended(1h, false, now_);
+  EXPECT_LE(trial_within(24h).value_or(24h), 660s);
+}
+
+TEST_F(HomecomingTest, ATrialCountsUntilALookFails) {
+  ASSERT_TRUE(trial_within(1h));
+  homecoming_.tried(true, now_);
+  EXPECT_EQ(trial_within(570s), std::nullopt);
+  EXPECT_TRUE(homecoming_.may_go()) << "something keeps the gateway where it is";
+  EXPECT_TRUE(trial_within(61s)) << "after 10 min it is tried again: somebody may have changed the password";
+  homecoming_.looked(false, now_);
+  EXPECT_FALSE(homecoming_.may_go());
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST(Leaving, SaysAllThatAnOrderlyEndSaysAndThenNothing) {
   site.send_values(1, 3000, 4);
   site.run(1s);
   site.broker().forget();
-  site.broker().events->on_may_leave(1);
+  site.broker().events->on_may_leave(1, true);
   site.loop().settle();
   ASSERT_EQ(site.broker().left, 1U);
   const std::vector<Message>& last = site.broker().last_words;
@@ -75,7 +75,7 @@ TEST(Leaving, WaitsForCommandsUnderWay) {
   site.connect();
   site.puppet().mute = true;
   site.command(kSet, kSame);
-  site.broker().events->on_may_leave(1);
+  site.broker().events->on_may_leave(1, true);
   site.loop().settle();
   EXPECT_EQ(site.broker().left, 0U);
   site.run(5s);
@@ -83,14 +83,112 @@ TEST(Leaving, WaitsForCommandsUnderWay) {
   EXPECT_EQ(site.broker().left, 1U);
 }
 
+TEST(Leaving, IsCalledOffWhereTheFirstIsGoneAgain) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.puppet().mute = true;
+  site.command(kSet, kSame);
+  site.broker().events->on_may_leave(1, true);
+  site.run(100ms);
+  site.broker().events->on_may_leave(1, false);
+  site.run(5s);
+  EXPECT_FALSE(site.last_answer().empty());
+  EXPECT_EQ(site.broker().left, 0U);
+}
+
+/// 5 stops the drive; it is stopped where MQTT says nothing for 2 s.
+config::Model guarded_model() {
+  config::Model model = PlantSite::bridge_model();
+  model.drives[0].node.motor.control = canopen::ObjectAddress{0x2000, 1};
+  model.drives[0].node.motor.stops = {{.equals = 5}};
+  model.drives[0].commands.timeout = 2s;
+  return model;
+}
+
+TEST(Leaving, WaitsWhileADriveRunsWhoseTimeoutCountsOnMqtt) {
+  PlantSite site(guarded_model());
+  site.bring_up_drive();
+  site.connect();
+  site.command("pump1/set", R"({"frequency_command":30.0,"control_command":1})");
+  site.send_values(0x0001, 3000, 4);
+  site.broker().events->on_may_leave(1, true);
+  for (int i = 0; i < 10; ++i) {
+    site.run(1s);
+    site.receive({.topic = "canopen/line3/pump1/control/alive", .payload = "x"});
+  }
+  EXPECT_EQ(site.broker().left, 0U);
+  EXPECT_EQ(std::ranges::count_if(site.notices(), [](const std::string& text) { return contains(text, "pump1"); }), 1)
+      << testing::PrintToString(site.notices());
+  site.command("pump1/control_command/set", "5");
+  site.run(2s);
+  EXPECT_EQ(site.broker().left, 1U);
+  EXPECT_TRUE(contains(site.retained("pump1/control"), R"("timeout":false)") || site.retained("pump1/control").empty())
+      << site.retained("pump1/control");
+}
+
+TEST(Leaving, DoesNotWaitForADriveThatStandsStill) {
+  PlantSite site(guarded_model());
+  site.bring_up_drive();
+  site.connect();
+  site.command("pump1/control_command/set", "5");
+  site.run(1s);
+  site.broker().events->on_may_leave(1, true);
+  site.run(100ms);
+  EXPECT_EQ(site.broker().left, 1U);
+}
+
+TEST(Leaving, ACommandThatComesMeanwhileIsRefusedAndAnswered) {
+  PlantSite site;
+  site.bring_up_drive();
+  site.connect();
+  site.command(kSet, R"({"value":20.0,"id":"a0"})");
+  site.run(100ms);
+  site.broker().events->on_may_leave(1, true);
+  site.loop().settle();
+  ASSERT_EQ(site.broker().left, 1U);
+  const std::size_t written = site.puppet().written.size();
+  const std::size_t rpdos = site.puppet().rpdos.size();
+  site.broker().forget();
+  site.command(kSet, kSame);
+  site.run(100ms);
+  EXPECT_TRUE(contains(site.last_answer(), "\"code\":\"offline\"")) << site.last_answer();
+  EXPECT_TRUE(contains(site.last_answer(), "\"a1\"")) << site.last_answer();
+  site.command(kSet, R"({"value":20.0,"id":"a0"})");
+  EXPECT_TRUE(contains(site.last_answer(), "\"duplicate\"")) << site.last_answer();
+  site.receive({.topic = "canopen/line3/pump1/frequency_command/set", .payload = "12", .retained = true}, 100ms);
+  EXPECT_TRUE(contains(site.last_answer(), "\"retained\"")) << site.last_answer();
+  EXPECT_EQ(site.retained("pump1/frequency_command/set"), "") << "emptied";
+  EXPECT_EQ(site.puppet().written.size(), written);
+  EXPECT_EQ(site.puppet().rpdos.size(), rpdos);
+  site.broker().events->on_disconnected("left");
+  connect_to_place(site, 2, "first:1883");
+  site.broker().answer_subscriptions();
+  site.command(kSet, kSame);
+  site.run(100ms);
+  EXPECT_TRUE(contains(site.last_answer(), "\"ok\":true")) << "it may come again there: " << site.last_answer();
+}
+
+TEST(Leaving, AStopThatComesMeanwhileIsCarriedOut) {
+  PlantSite site(guarded_model());
+  site.bring_up_drive();
+  site.connect();
+  site.broker().events->on_may_leave(1, true);
+  site.loop().settle();
+  ASSERT_EQ(site.broker().left, 1U);
+  site.command("pump1/control_command/set", "5");
+  site.run(100ms);
+  EXPECT_TRUE(contains(site.last_answer(), "\"ok\":true")) << site.last_answer();
+}
+
 TEST(Leaving, OfAConnectionThatIsGoneDoesNothing) {
   PlantSite site;
   site.bring_up_drive();
   site.connect();
   site.broker().events->on_disconnected("gone");
-  site.broker().events->on_may_leave(1);
+  site.broker().events->on_may_leave(1, true);
   site.connect(2);
-  site.broker().events->on_may_leave(1);
+  site.broker().events->on_may_leave(1, true);
   site.run(1s);
   EXPECT_EQ(site.broker().left, 0U);
   EXPECT_TRUE(site.bridge().connected());

@@ -68,6 +68,7 @@ TEST_F(RotationTest, AConnectionThatBreaksIsMadeAgainToTheSameBroker) {
   (void)end(Outcome::none, rotation);
   ASSERT_EQ(rotation.at(), 1U);
   for (int i = 0; i < 10; ++i) {
+    now_ += 2min;
     EXPECT_LE(end(Outcome::broke, rotation), 1000ms);
     EXPECT_EQ(rotation.at(), 1U);
   }
@@ -98,6 +99,24 @@ TEST_F(RotationTest, OneThatNeverHoldsIsLeft) {
   EXPECT_EQ(rotation.at(), 1U);
   (void)end(Outcome::brief, rotation);
   EXPECT_EQ(rotation.at(), 1U) << "the next one counts by itself";
+}
+
+TEST_F(RotationTest, OneThatBreaksAgainAndAgainIsLeftThoughEachConnectionHeld) {
+  Rotation rotation(2, kPauses, 1);
+  for (std::size_t i = 1; i < Rotation::kEnds; ++i) {
+    now_ += 12s;
+    EXPECT_GT(end(Outcome::broke, rotation), 0ms);
+    EXPECT_EQ(rotation.at(), 0U);
+  }
+  now_ += 12s;
+  EXPECT_EQ(end(Outcome::broke, rotation), 0ms);
+  EXPECT_EQ(rotation.at(), 1U);
+  EXPECT_GT(end(Outcome::broke, rotation), 0ms) << "the next one counts by itself";
+  EXPECT_EQ(rotation.at(), 1U);
+  Rotation only(1, kPauses, 1);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_GT(end(Outcome::broke, only), 0ms);
+  }
 }
 
 TEST_F(RotationTest, ARefusalBarsThatBrokerAlone) {
@@ -132,13 +151,18 @@ TEST_F(RotationTest, AfterATakeOverItComesBackToTheSameBroker) {
 }
 
 TEST_F(RotationTest, ABrokerIsLeftForTheFirstAndFoundAgainWhereThatFails) {
-  Rotation rotation(3, kPauses, 1);
-  (void)end(Outcome::none, rotation);
-  ASSERT_EQ(rotation.at(), 1U);
-  EXPECT_EQ(end(Outcome::left, rotation), 0ms);
-  EXPECT_EQ(rotation.at(), 0U);
-  EXPECT_EQ(end(Outcome::none, rotation), 0ms);
-  EXPECT_EQ(rotation.at(), 1U);
+  for (const Outcome failure : {Outcome::none, Outcome::refused}) {
+    Rotation rotation(3, kPauses, 1);
+    (void)end(Outcome::none, rotation);
+    (void)end(Outcome::none, rotation);
+    ASSERT_EQ(rotation.at(), 2U);
+    EXPECT_EQ(end(Outcome::left, rotation), 0ms);
+    EXPECT_EQ(rotation.at(), 0U);
+    EXPECT_EQ(end(failure, rotation), 0ms);
+    EXPECT_EQ(rotation.at(), 2U) << "not by way of the second, which may be dead";
+    EXPECT_EQ(end(Outcome::none, rotation), 0ms);
+    EXPECT_EQ(rotation.at(), 1U) << "if it is gone, too";
+  }
 }
 
 }  // namespace

@@ -165,6 +165,7 @@ bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::u
   if (manners_.mute) {
     return true;
   }
+  unsubscribes_ += type == kUnsubscribe ? 1 : 0;
   if (type == kPublish) {
     return take_publish(client, first, body);
   }

@@ -37,6 +37,8 @@ class TinyBroker {
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
   /// Protocol levels of the CONNECTs seen: 5, 4.
   [[nodiscard]] std::vector<int> levels() const;
+  /// How many UNSUBSCRIBEs were seen.
+  [[nodiscard]] int unsubscribes() const noexcept { return unsubscribes_; }
   /// `topic=payload` of every PUBLISH seen.
   [[nodiscard]] std::vector<std::string> published() const;
   /// Takes the next PUBLISH and acknowledges it; false where none comes within 20 s. Only with by_hand.
@@ -65,8 +67,9 @@ class TinyBroker {
   std::uint16_t port_ = 0;
   std::atomic<bool> stopping_ = false;
   std::atomic<int> kick_ = 0;
-  std::atomic<int> level_ = 0;      ///< Of the connection.
-  std::size_t taken_ = 0;           ///< Likewise.
+  std::atomic<int> level_ = 0;  ///< Of the connection.
+  std::size_t taken_ = 0;       ///< Likewise.
+  std::atomic<int> unsubscribes_ = 0;
   std::atomic<int> connected_ = 0;  ///< The socket of the connection.
   mutable std::mutex mutex_;
   std::vector<int> levels_;

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bridges/mqtt/reach.h"
 #include "tests/support/certificates.h"
 #include "tests/support/mosquitto.h"
 #include "tests/unit/mqtt/first_words.h"
@@ -95,6 +96,25 @@ TEST_F(TlsTest, ConnectsByNameAndPublishes) {
   publisher->publish({{.topic = "a", .payload = "1"}});
   EXPECT_TRUE(run_until([this] { return has_message("a"); }));
   EXPECT_TRUE(failures.empty());
+}
+
+TEST_F(TlsTest, ABrokerIsLookedForAndTriedThroughTls) {
+  serve(ours->issue("broker", "DNS:localhost"), true);
+  const config::Endpoint at{.host = "localhost", .port = broker->port(), .tls = true};
+  const Certificate client = ours->issue("client", "DNS:line3");
+  const TlsFiles files{.ca = ours->file().string(), .cert = client.cert.string(), .key = client.key.string()};
+  const TlsFiles without{.ca = ours->file().string()};
+  const ClientSettings us{.client_id = "line3", .tls = files};
+  EXPECT_TRUE(reaches(at, {"127.0.0.1"}, files, 5s).good);
+  const Reach trial = takes_us(at, {"127.0.0.1"}, us, 0, 5s);
+  EXPECT_TRUE(trial.good) << trial.why;
+  const Reach refused = reaches(at, {"127.0.0.1"}, without, 5s);
+  EXPECT_FALSE(refused.good) << "it refuses behind the handshake";
+  EXPECT_NE(refused.why.find("certificate"), std::string::npos) << refused.why;
+  broker->freeze();
+  EXPECT_FALSE(reaches(at, {"127.0.0.1"}, files, 300ms).good);
+  EXPECT_FALSE(takes_us(at, {"127.0.0.1"}, us, 5, 300ms).good);
+  broker->resume();
 }
 
 TEST_F(TlsTest, ConnectsByAddressWhereTheCertificateNamesIt) {

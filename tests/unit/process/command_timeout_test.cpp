@@ -209,6 +209,26 @@ TEST(CommandTimeout, WithoutTimeNothingIsWatched) {
   EXPECT_EQ(course.timeout().next_time(), canopen::kNever);
 }
 
+TEST(CommandTimeout, TellsWhoseSilenceItWouldActOn) {
+  const Writer mqtt{.way = Writer::Way::mqtt, .address = {}};
+  const Writer plc{.way = Writer::Way::modbus, .address = "192.0.2.7"};
+  const canopen::TimePoint now(1h);
+  CommandTimeout timeout(3s, OnTimeout::hold);
+  EXPECT_FALSE(timeout.counts_on(mqtt));
+  timeout.on_accepted(mqtt, ControlUse::run, now);
+  timeout.on_confirmed(mqtt, ControlUse::run, now);
+  EXPECT_TRUE(timeout.counts_on(mqtt));
+  EXPECT_FALSE(timeout.counts_on(plc));
+  timeout.on_accepted(mqtt, ControlUse::stop, now);
+  timeout.on_confirmed(mqtt, ControlUse::stop, now);
+  EXPECT_FALSE(timeout.counts_on(mqtt));
+  timeout.on_taken_over(true, now);
+  EXPECT_TRUE(timeout.counts_on(mqtt)) << "of any writer";
+  EXPECT_TRUE(timeout.counts_on(plc));
+  timeout.on_session_end();
+  EXPECT_FALSE(timeout.counts_on(mqtt));
+}
+
 TEST(CommandTimeout, NextTimeIsTheEndOfTheSilenceThenTheNextAttempt) {
   TimeoutCourse course(2500ms, OnTimeout::values);
   const auto start = course.now();
