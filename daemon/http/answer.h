@@ -1,16 +1,27 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace gateway::http {
 
+struct Progress {
+  bool goes_on = false;  ///< There are further pieces.
+  std::size_t kept = 0;  ///< Bytes that wait outside of the text until they can be put into it.
+};
+
+/// Appends the next piece of a text: about a millisecond's work at most.
+using Pieces = std::function<Progress(std::string& text)>;
+
 /// What is sent back, but for what all answers have alike.
 struct Answer {
   unsigned status = 200;
   std::string_view type = "application/json";
   std::string body{};
+  Pieces rest{};                         ///< Further text behind `body`: the loop has a turn between its pieces.
   const std::string* lasting = nullptr;  ///< In place of `body`: it outlives every connection.
   bool page = false;                     ///< A browser shows it, with what else this server has.
   bool stream = false;                   ///< Events follow, for as long as the client stays.
@@ -19,6 +30,10 @@ struct Answer {
   [[nodiscard]] std::string_view text() const noexcept { return lasting != nullptr ? *lasting : body; }
 };
 
+/// Of what a client wrote, as much as a refusal repeats.
+[[nodiscard]] inline std::string_view beginning(std::string_view foreign) {
+  return foreign.substr(0, 100);
+}
 /// `{"error":"…"}`
 [[nodiscard]] Answer refusal(unsigned status, std::string_view why);
 /// `{"error":"…","drives":["fan1","pump1"]}`: what there is instead, under `key`.

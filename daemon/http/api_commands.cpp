@@ -26,7 +26,8 @@ Answer commands(const Site& site, const Target& target) {
   const std::string* const asked = target.find("count");
   const auto count = asked == nullptr ? std::optional(kUsualCount) : count_of(*asked);
   if (!count) {
-    return refusal(400, "count=\"" + *asked + "\": write a number from 1 to " + std::to_string(kMostCount));
+    return refusal(400, "count=\"" + std::string(beginning(*asked)) + "\": write a number from 1 to " +
+                            std::to_string(kMostCount));
   }
   if (!site.journal_lines) {
     return refusal(404, "there is no journal of commands, since [gateway] state_dir is empty");

@@ -1,8 +1,7 @@
-#include <ranges>
+#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "bridges/text/json_text.h"
 #include "daemon/control/status_json.h"
 #include "daemon/http/respond.h"
 
@@ -17,17 +16,24 @@ std::vector<std::string> drive_names(const config::Model& model) {
 }
 
 Answer drives(const Site& site) {
-  Answer answer;
-  const canopen::TimePoint now = canopen::Clock::now();
-  text::append_list(answer.body, std::views::iota(std::size_t{0}, site.plant.size()),
-                    [&](std::string& to, auto index) { control::append_drive_status(to, site.plant, index, now); });
+  if (site.plant.size() == 0) {
+    return {.body = "[]"};
+  }
+  Answer answer{.body = "["};
+  answer.rest = [&site, next = std::size_t{0}](std::string& text) mutable {
+    control::append_drive_status(text, site.plant, next, canopen::Clock::now());
+    ++next;
+    text += next < site.plant.size() ? ',' : ']';
+    return Progress{.goes_on = next < site.plant.size()};
+  };
   return answer;
 }
 
 Answer drive(const Site& site, std::string_view name) {
   const process::Drive* const found = site.plant.find(name);
   if (found == nullptr) {
-    return refusal(404, "there is no drive \"" + std::string(name) + "\"", "drives", drive_names(site.plant.model()));
+    return refusal(404, "there is no drive \"" + std::string(beginning(name)) + "\"", "drives",
+                   drive_names(site.plant.model()));
   }
   Answer answer;
   control::append_drive_status(answer.body, site.plant, found->index(), canopen::Clock::now());

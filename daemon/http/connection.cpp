@@ -8,7 +8,6 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
 #include <utility>
-#include <variant>
 
 #include "daemon/http/wire.h"
 
@@ -22,7 +21,7 @@ using boost::system::error_code;
 
 namespace {
 
-constexpr std::size_t kPiece = 64UL * 1024;
+constexpr std::size_t kPiece = 16UL * 1024;      // that a turn of the loop copies to the system
 constexpr std::size_t kMostRest = 256UL * 1024;  // of what is read away
 
 }  // namespace
@@ -36,7 +35,7 @@ Connection::Connection(tcp::socket socket, const boost::asio::ip::address& from,
       since_(canopen::Clock::now()) {}
 
 Connection::~Connection() {
-  shared_.waiting.now -= held_;
+  release();
 }
 
 void Connection::close(const char* why) {
@@ -50,7 +49,7 @@ void Connection::close(const char* why) {
 }
 
 std::optional<canopen::TimePoint> Connection::idle_since() const noexcept {
-  return is_at_work() ? std::nullopt : std::optional(since_);
+  return is_sending() || state_ == State::waiting ? std::nullopt : std::optional(since_);
 }
 
 void Connection::enter(State state) {
@@ -60,8 +59,10 @@ void Connection::enter(State state) {
 
 void Connection::look(canopen::TimePoint now) {
   const canopen::Duration waited = now - since_;
-  if (is_at_work() && waited >= kStalled) {
+  if (is_sending() && waited >= kStalled) {
     close("disconnected: it takes nothing of its answer");
+  } else if (is_sending() && now >= until_) {
+    close("disconnected: it takes its answer too slowly");
   } else if (state_ == State::lingering && waited >= kLinger) {
     close("disconnected: it had its last answer");
   } else if (state_ == State::reading && !received_.empty() && waited >= kHalfRequest) {
@@ -127,75 +128,17 @@ awaitable<bool> Connection::receive_more() {
   co_return true;
 }
 
-awaitable<bool> Connection::answer_first() {
-  auto read = read_head(std::string_view(received_).substr(0, head_));
-  received_.erase(0, head_);
-  if (auto* const refused = std::get_if<Refused>(&read)) {
-    co_await refuse_and_end(std::move(refused->answer));
-    co_return false;
-  }
-  enter(State::answering);
-  const Request request = std::get<Request>(std::move(read));
-  std::optional<Answer> answer = object_to(request);
-  if (!answer) {
-    answer = co_await word(request);
-  }
-  co_await send(*answer, request.keep_alive, request.method == Method::head);
-  if (answer->stream && request.method == Method::get) {
-    co_await stream();
-  }
-  const bool goes_on = request.keep_alive && !answer->stream && socket_.is_open();
-  co_return goes_on;
-}
-
-std::optional<Answer> Connection::object_to(const Request& request) {
-  error_code failed;
-  const tcp::endpoint own = socket_.local_endpoint(failed);
-  if (!failed && shared_.hosts.knows(request.host, own.address())) {
-    return std::nullopt;
-  }
-  const std::string host = request.host.substr(0, 100);
-  shared_.warn(address_, "refused: asks for another host than this machine; name it in [http] hosts if it is one");
-  return refusal(421, "this machine is not known as \"" + host +
-                          "\"; ask by its address, or name it in [http] hosts of the gateway");
-}
-
-awaitable<void> Connection::await_turn() {
-  shared_.share.enter(turn_);
-  for (canopen::TimePoint at = shared_.share.when(turn_); socket_.is_open() && canopen::Clock::now() < at;
-       at = shared_.share.when(turn_)) {
-    error_code ignored;
-    turn_.expires_at(at);
-    co_await turn_.async_wait(redirect_error(use_awaitable, ignored));
-  }
-}
-
-void Connection::end_turn(canopen::TimePoint begin) {
-  shared_.share.note(begin, canopen::Clock::now());
-  shared_.share.leave(turn_);
-}
-
-awaitable<Answer> Connection::word(const Request& request) {
-  co_await await_turn();
-  const canopen::TimePoint begin = canopen::Clock::now();
-  Answer answer = shared_.respond(request);
-  end_turn(begin);
-  if (shared_.waiting.now + answer.body.size() > WaitingBytes::kMost) {
-    answer = refusal(503, "too many answers wait for clients that do not take them; ask again");
-  }
-  co_return answer;
-}
-
 awaitable<void> Connection::send(const Answer& answer, bool keep_alive, bool head_only) {
   shared_.answered(answer.status);
-  held_ = answer.body.size();
-  shared_.waiting.now += held_;
+  enter(State::answering);
+  until_ = since_ + kStalled + std::chrono::seconds(answer.text().size() / kLeastRate);
   const std::string head = word_head(answer, keep_alive);
   bool sent = co_await send_bytes(head);
   if (sent && !head_only) {
     sent = co_await send_bytes(answer.text());
   }
-  shared_.waiting.now -= std::exchange(held_, 0);
+  until_ = canopen::kNever;
+  release();
 }
 
 awaitable<bool> Connection::send_bytes(std::string_view bytes) {
@@ -214,12 +157,14 @@ awaitable<bool> Connection::send_bytes(std::string_view bytes) {
   co_return true;
 }
 
-awaitable<std::string> Connection::next_events(Live::Place& place) {
-  co_await await_turn();
-  const canopen::TimePoint begin = canopen::Clock::now();
-  std::string events = shared_.live.take(place);
-  end_turn(begin);
-  co_return events;
+awaitable<bool> Connection::next_events(Live::Place& place, std::string& events) {
+  const bool has_turn = co_await await_turn(State::streaming);
+  if (has_turn) {
+    const canopen::TimePoint begin = canopen::Clock::now();
+    events = shared_.live.take(place);
+    end_turn(begin);
+  }
+  co_return has_turn;
 }
 
 // A reader that is slow is told of the newest state when it has taken the one before, and how often it was not told
@@ -230,24 +175,28 @@ awaitable<void> Connection::stream() {
   canopen::TimePoint heard = since_;
   std::string late;
   while (socket_.is_open()) {
-    std::string events = co_await next_events(place);
+    std::string events;
+    const bool has_turn = co_await next_events(place, events);
+    if (!has_turn) {
+      break;
+    }
     const canopen::TimePoint begin = canopen::Clock::now();
     events.insert(0, std::exchange(late, {}));
     since_ = begin;
     if (events.empty() && begin - heard >= Live::kSilence) {
       events = ":\n\n";  // a comment: the reader knows that the line stands
     }
-    held_ = events.size();
-    shared_.waiting.now += held_;
+    held_ = events.size();  // never refused: a piece is small
+    shared_.waiting.add(from_, held_);
     co_await send_bytes(events);
-    shared_.waiting.now -= std::exchange(held_, 0);
+    release();
     const canopen::TimePoint end = canopen::Clock::now();
     heard = events.empty() ? heard : end;
     if (const auto missed = (end - begin) / Live::kPace; missed > 0) {
       Live::append_event(late, "skipped", "{\"times\":" + std::to_string(missed) + "}");
     }
     error_code ignored;
-    turn_.expires_at(events.size() < Live::kMostBytes ? begin + Live::kPace : end);
+    turn_.expires_at(place.more ? end : begin + Live::kPace);
     co_await turn_.async_wait(redirect_error(use_awaitable, ignored));
   }
 }

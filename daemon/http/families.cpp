@@ -3,6 +3,7 @@
 #include <prometheus/metric_type.h>
 #include <prometheus/text_serializer.h>
 
+#include <algorithm>
 #include <sstream>
 #include <utility>
 
@@ -12,6 +13,14 @@ namespace {
 // These have the names that all of Prometheus' client libraries give them.
 std::string full_name(std::string_view name) {
   return name.starts_with("process_") ? std::string(name) : "canopen_gateway_" + std::string(name);
+}
+
+// HELP and TYPE stand in front of a metric once.
+std::string_view without_comments(std::string_view text) {
+  while (text.starts_with('#')) {
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  }
+  return text;
 }
 
 }  // namespace
@@ -46,15 +55,29 @@ Family Families::histogram(std::string_view name, std::string_view help) {
 }
 
 void Families::take(Family family) {
-  if (!family.family().metric.empty()) {
-    families_.push_back(std::move(family.family()));
+  if (family.family().metric.empty()) {
+    return;
+  }
+  std::ostringstream out;
+  prometheus::TextSerializer().Serialize(out, {family.family()});
+  const std::string text = std::move(out).str();
+  const auto found = std::ranges::find(worded_, family.family().name, &Worded::name);
+  const std::string_view further = found == worded_.end() ? std::string_view(text) : without_comments(text);
+  size_ += further.size();
+  if (found == worded_.end()) {
+    worded_.push_back({family.family().name, text});
+  } else {
+    found->text += further;
   }
 }
 
 std::string Families::text() const {
-  std::ostringstream out;
-  prometheus::TextSerializer().Serialize(out, families_);
-  return std::move(out).str();
+  std::string all;
+  all.reserve(size_);
+  for (const Worded& one : worded_) {
+    all += one.text;
+  }
+  return all;
 }
 
 }  // namespace gateway::http

@@ -3,6 +3,7 @@
 #include <prometheus/client_metric.h>
 #include <prometheus/metric_family.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -34,12 +35,21 @@ class Families {
   [[nodiscard]] static Family gauge(std::string_view name, std::string_view help);
   [[nodiscard]] static Family histogram(std::string_view name, std::string_view help);
 
+  /// What was taken of this metric before stays.
   void take(Family family);
   /// Prometheus' text format, version 0.0.4.
   [[nodiscard]] std::string text() const;
+  /// Its length.
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
 
  private:
-  std::vector<prometheus::MetricFamily> families_;
+  struct Worded {
+    std::string name;
+    std::string text;
+  };
+
+  std::vector<Worded> worded_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace gateway::http

@@ -92,25 +92,36 @@ void History::append_row(std::string& out, const Trend& trend, std::size_t row) 
   out += ']';
 }
 
-std::string History::json(std::size_t drive) const {
-  const Trend& trend = trends_[drive];
+std::string History::begin_json(std::size_t drive) const {
   const config::Drive& model = plant_.drive(drive).model();
   std::string out;
   text::ObjectText object(out);
   object.text("drive", model.name);
   object.integer("period", std::chrono::floor<std::chrono::seconds>(kPeriod).count());
-  text::append_list(object.key("signals"), trend.signals, [&model](std::string& to, process::SignalId id) {
+  text::append_list(object.key("signals"), trends_[drive].signals, [&model](std::string& to, process::SignalId id) {
     text::append_quoted(to, model.signals[id].name);
   });
-  std::string& samples = object.key("samples") += '[';
-  const auto kept = static_cast<std::size_t>(std::min<std::uint64_t>(taken_, rows_));
-  for (std::size_t age = kept; age-- > 0;) {
-    samples += age + 1 == kept ? "" : ",";
-    append_row(samples, trend, static_cast<std::size_t>((taken_ - 1 - age) % rows_));
-  }
-  samples += ']';
-  object.close();
+  object.key("samples") += '[';
   return out;
+}
+
+Pieces History::json(std::size_t drive) const {
+  const Trend& trend = trends_[drive];
+  const std::uint64_t rows = std::max<std::size_t>(kValuesOfPiece / (trend.signals.size() + 1), 1);
+  const std::uint64_t oldest = taken_ - std::min<std::uint64_t>(taken_, rows_);
+  return [this, drive, rows, next = oldest, end = taken_, begun = false](std::string& out) mutable {
+    if (!begun) {
+      out += begin_json(drive);
+    }
+    next = std::max(next, taken_ - std::min<std::uint64_t>(taken_, rows_));
+    for (const std::uint64_t stop = std::min(next + rows, end); next < stop; ++next) {
+      out += out.ends_with('[') ? "" : ",";
+      append_row(out, trends_[drive], static_cast<std::size_t>(next % rows_));
+    }
+    begun = true;
+    out += next < end ? "" : "]}";
+    return Progress{.goes_on = next < end};
+  };
 }
 
 }  // namespace gateway::http

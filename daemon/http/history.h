@@ -8,6 +8,7 @@
 
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
+#include "daemon/http/answer.h"
 
 namespace gateway::http {
 
@@ -18,6 +19,8 @@ class History {
   static constexpr canopen::Duration kPeriod = std::chrono::seconds(1);
   /// Of all drives together. Where they have more signals than that holds for ten minutes, the time is shorter.
   static constexpr std::size_t kMostBytes = 32UL * 1024 * 1024;
+  /// Values that a piece of the JSON has at most, or else one sample: some half a millisecond's work.
+  static constexpr std::size_t kValuesOfPiece = 2000;
 
   /// The plant outlives it.
   History(const boost::asio::any_io_executor& executor, const process::Plant& plant);
@@ -25,8 +28,9 @@ class History {
   void start();
   void stop();
   /// `{"drive":"pump1","period":1,"signals":["output_frequency"],"samples":[["…Z",49.97],["…Z",null]]}`, oldest first,
-  /// engineering units, booleans as 0 and 1; null where the value was not fresh.
-  [[nodiscard]] std::string json(std::size_t drive) const;
+  /// engineering units, booleans as 0 and 1; null where the value was not fresh. The pieces end with the newest sample
+  /// of now; one that was overwritten before its piece was worded is not in them. The history outlives them.
+  [[nodiscard]] Pieces json(std::size_t drive) const;
 
  private:
   /// One drive: its signals, and a ring of their values.
@@ -37,6 +41,7 @@ class History {
 
   void sample();
   void arm();
+  [[nodiscard]] std::string begin_json(std::size_t drive) const;
   void append_row(std::string& out, const Trend& trend, std::size_t row) const;
 
   const process::Plant& plant_;

@@ -1,6 +1,7 @@
 #include "daemon/http/hosts.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "bridges/net/access_list.h"
 
@@ -46,6 +47,14 @@ std::optional<std::string> host_of(std::string_view header) {
     host.pop_back();
   }
   return std::ranges::all_of(host, is_name_letter) ? std::optional(std::move(host)) : std::nullopt;
+}
+
+Hosts::Hosts(std::vector<std::string> further) : further_(std::move(further)) {
+  for (std::string& name : further_) {
+    if (name.size() > 1 && name.ends_with('.')) {
+      name.pop_back();
+    }
+  }
 }
 
 bool Hosts::knows(std::string_view header, const ip::address& own) const {

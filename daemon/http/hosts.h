@@ -16,8 +16,9 @@ namespace gateway::http {
 /// rebinding) asks under its own name, and must be told nothing.
 class Hosts {
  public:
-  /// `further`: beside the loopback names and the machine's own addresses; in lower case.
-  explicit Hosts(std::vector<std::string> further) : further_(std::move(further)) {}
+  /// `further`: beside the loopback names and the machine's own addresses; in lower case, a dot at the end is none of
+  /// it.
+  explicit Hosts(std::vector<std::string> further);
 
   /// `header` is what the client wrote; `own` the address at which its connection came in.
   [[nodiscard]] bool knows(std::string_view header, const boost::asio::ip::address& own) const;

@@ -14,27 +14,42 @@ Live::Live(const process::Plant& plant) : plant_(plant), drives_(plant.size()) {
 
 void Live::append_rest(std::string& out, Place& place) {
   if (place.alarms < alarms_) {
-    append_event(out, "alarms", active_alarms_text(plant_));
+    if (alarms_worded_ < alarms_) {
+      alarms_text_ = active_alarms_text(plant_);
+      alarms_worded_ = alarms_;
+    }
+    append_event(out, "alarms", alarms_text_);
     place.alarms = alarms_;
   }
-  for (std::size_t i = 0; i < drives_.size() && out.size() < kMostBytes; ++i) {
+  std::size_t worded = 0;
+  std::size_t looked = 0;
+  for (; looked < drives_.size() && out.size() < kMostBytes && worded < kMostWorded; ++looked) {
     const std::size_t drive = place.next;
+    Shown& shown = drives_[drive];
     place.next = (place.next + 1) % drives_.size();
-    if (place.drives[drive] < drives_[drive].changed) {
-      append_event(out, "drive", word(drive));
-      place.drives[drive] = drives_[drive].changed;
+    if (place.drives[drive] < shown.changed) {
+      if (!is_worded(shown)) {
+        word(drive);
+        ++worded;
+      }
+      append_event(out, "drive", shown.text);
+      place.drives[drive] = shown.changed;
     }
   }
+  place.more = looked < drives_.size();
 }
 
-const std::string& Live::word(std::size_t drive) {
+// One that comes later is told no age of long ago.
+bool Live::is_worded(const Shown& shown) {
+  return shown.worded == shown.changed && canopen::Clock::now() - shown.at < kPace;
+}
+
+void Live::word(std::size_t drive) {
   Shown& shown = drives_[drive];
-  if (shown.worded < shown.changed) {
-    shown.text.clear();
-    control::append_drive_status(shown.text, plant_, drive, canopen::Clock::now());
-    shown.worded = shown.changed;
-  }
-  return shown.text;
+  shown.at = canopen::Clock::now();
+  shown.text.clear();
+  control::append_drive_status(shown.text, plant_, drive, shown.at);
+  shown.worded = shown.changed;
 }
 
 // A value that comes again as it was is no change.

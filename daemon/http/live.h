@@ -22,6 +22,8 @@ class Live final : public process::Observer {
   static constexpr canopen::Duration kSilence = std::chrono::seconds(15);
   /// Of one piece of the stream; what does not fit comes with the next.
   static constexpr std::size_t kMostBytes = 64UL * 1024;
+  /// Drives that are worded for one piece; likewise.
+  static constexpr std::size_t kMostWorded = 8;
 
   /// One reader's place in the stream.
   struct Place {
@@ -29,12 +31,15 @@ class Live final : public process::Observer {
     std::uint64_t alarms = 0;
     std::vector<std::uint64_t> drives;
     std::size_t next = 0;  ///< The drive that it is told of next, if that changed.
+    bool more = false;     ///< The newest piece was full: the next one is due at once.
   };
 
   /// Added to the plant's observers; the plant outlives it.
   explicit Live(const process::Plant& plant);
 
-  [[nodiscard]] Place begin() const { return {.drives = std::vector<std::uint64_t>(drives_.size(), 0), .next = 0}; }
+  [[nodiscard]] Place begin() const {
+    return {.drives = std::vector<std::uint64_t>(drives_.size(), 0), .next = 0, .more = false};
+  }
   /// Events for all that changed since this place, and moves it on. Empty: nothing did. `health`: the JSON of it.
   template <class Health>
   [[nodiscard]] std::string take(Place& place, Health health) {
@@ -61,18 +66,22 @@ class Live final : public process::Observer {
  private:
   struct Shown {
     std::uint64_t changed = 1;
-    std::uint64_t worded = 0;  ///< The change that `text` shows.
+    std::uint64_t worded = 0;  ///< The change that `text` shows,
+    canopen::TimePoint at{};   ///< and when that was: it holds ages.
     std::string text;
     std::vector<std::optional<canopen::Raw>> values{};  ///< By signal; nothing: not fresh, or never heard.
   };
 
   void append_rest(std::string& out, Place& place);
-  const std::string& word(std::size_t drive);
+  [[nodiscard]] static bool is_worded(const Shown& shown);
+  void word(std::size_t drive);
 
   const process::Plant& plant_;
   std::vector<Shown> drives_;
   std::uint64_t health_ = 1;
   std::uint64_t alarms_ = 1;
+  std::uint64_t alarms_worded_ = 0;  ///< The change that `alarms_text_` shows.
+  std::string alarms_text_;
 };
 
 }  // namespace gateway::http

@@ -1,6 +1,8 @@
 #include "daemon/http/metrics.h"
 
 #include <chrono>
+#include <cstddef>
+#include <utility>
 
 namespace gateway::http {
 namespace {
@@ -26,30 +28,49 @@ void add_tally(Family& outcomes, Family& times, const std::string& drive, Comman
   times.add({{"drive", drive}, {"writer", writer}}, std::move(histogram));
 }
 
+// The gateway, then a drive a piece: what one drive has is of one moment.
+bool add_piece(Families& families, const Site& site, std::size_t piece) {
+  if (piece == 0) {
+    add_program(families, site);
+    add_buses(families, site.plant);
+    add_alarm_counts(families, site.plant);
+    add_servers(families, site);
+  } else {
+    const process::Drive& drive = site.plant.drive(piece - 1);
+    add_drive(families, site.plant, drive, canopen::Clock::now());
+    add_alarms(families, drive);
+    add_commands(families, site, drive);
+  }
+  return piece < site.plant.size();
+}
+
 }  // namespace
 
-void add_commands(Families& families, const Site& site) {
+void add_commands(Families& families, const Site& site, const process::Drive& drive) {
   Family outcomes = Families::counter("commands_total",
                                       "Commands that were answered, by outcome: ok, or the code of "
                                       "the answer. Refused ones are among them.");
   Family times = Families::histogram("command_confirmation_seconds",
                                      "From the arrival of a command to its confirmation; confirmed ones only.");
-  for (const auto& [key, tally] : site.commands.tallies()) {
-    add_tally(outcomes, times, site.plant.drive(key.first).model().name, key.second, tally);
+  const CommandTally::Tallies& tallies = site.commands.tallies();
+  for (auto at = tallies.lower_bound({drive.index(), CommandTally::Way{}});
+       at != tallies.end() && at->first.first == drive.index(); ++at) {
+    add_tally(outcomes, times, drive.model().name, at->first.second, at->second);
   }
   families.take(std::move(outcomes));
   families.take(std::move(times));
 }
 
 Answer metrics(const Site& site) {
-  Families families;
-  add_program(families, site);
-  add_buses(families, site.plant);
-  add_drives(families, site.plant, canopen::Clock::now());
-  add_alarms(families, site.plant);
-  add_commands(families, site);
-  add_servers(families, site);
-  return {.type = "text/plain; version=0.0.4; charset=utf-8", .body = families.text()};
+  Answer answer{.type = "text/plain; version=0.0.4; charset=utf-8"};
+  answer.rest = [&site, families = Families(), piece = std::size_t{0}](std::string& text) mutable {
+    if (add_piece(families, site, piece++)) {
+      return Progress{.goes_on = true, .kept = families.size()};
+    }
+    text += families.text();
+    return Progress{};
+  };
+  return answer;
 }
 
 }  // namespace gateway::http

@@ -9,11 +9,12 @@ namespace gateway::http {
 /// `/metrics`
 [[nodiscard]] Answer metrics(const Site& site);
 
-// Its parts.
+// Its parts; those of drives for one drive at a time.
 void add_buses(Families& families, const process::Plant& plant);
-void add_drives(Families& families, const process::Plant& plant, canopen::TimePoint now);
-void add_alarms(Families& families, const process::Plant& plant);
-void add_commands(Families& families, const Site& site);
+void add_drive(Families& families, const process::Plant& plant, const process::Drive& drive, canopen::TimePoint now);
+void add_alarm_counts(Families& families, const process::Plant& plant);
+void add_alarms(Families& families, const process::Drive& drive);
+void add_commands(Families& families, const Site& site, const process::Drive& drive);
 void add_servers(Families& families, const Site& site);
 void add_program(Families& families, const Site& site);
 

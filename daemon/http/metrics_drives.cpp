@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -89,19 +90,29 @@ constexpr std::array kSeverities{config::Severity::fault, config::Severity::warn
 
 }  // namespace
 
-void add_drives(Families& families, const process::Plant& plant, TimePoint now) {
-  DriveFamilies drives;
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    drives.add(plant, plant.drive(i), now);
-  }
+void add_drive(Families& families, const process::Plant& plant, const process::Drive& drive, TimePoint now) {
+  DriveFamilies told;
+  told.add(plant, drive, now);
   for (Family* const family :
-       {&drives.info, &drives.enabled, &drives.online, &drives.operational, &drives.boot, &drives.boot_ups,
-        &drives.emergencies, &drives.losses, &drives.heartbeat, &drives.fresh, &drives.oldest, &drives.aborts}) {
+       {&told.info, &told.enabled, &told.online, &told.operational, &told.boot, &told.boot_ups, &told.emergencies,
+        &told.losses, &told.heartbeat, &told.fresh, &told.oldest, &told.aborts}) {
     families.take(std::move(*family));
   }
 }
 
-void add_alarms(Families& families, const process::Plant& plant) {
+void add_alarms(Families& families, const process::Drive& drive) {
+  Family told = Families::gauge("drive_alarm_active",
+                                "1: this alarm of the drive is active; missing while that is "
+                                "not known.");
+  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+    if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.known) {
+      told.add({{"drive", drive.model().name}, {"kind", std::string(name_of(kind))}}, alarm.active);
+    }
+  }
+  families.take(std::move(told));
+}
+
+void add_alarm_counts(Families& families, const process::Plant& plant) {
   std::map<std::pair<std::string, config::Severity>, std::uint64_t> active;
   for (const config::Severity severity : kSeverities) {
     active[{"bus", severity}] = 0;
@@ -109,18 +120,7 @@ void add_alarms(Families& families, const process::Plant& plant) {
       active[{std::string(name_of(kind)), severity}] = 0;
     }
   }
-  Family of_drives = Families::gauge("drive_alarm_active",
-                                     "1: this alarm of the drive is active; missing while that is "
-                                     "not known.");
   Family of_buses = Families::gauge("bus_alarm_active", "1: the alarm of the bus is active.");
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    const process::Drive& drive = plant.drive(i);
-    for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-      if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.known) {
-        of_drives.add({{"drive", drive.model().name}, {"kind", std::string(name_of(kind))}}, alarm.active);
-      }
-    }
-  }
   for (std::size_t i = 0; i < plant.model().buses.size(); ++i) {
     of_buses.add({{"bus", plant.model().buses[i].name}}, plant.bus_alarm(i).known && plant.bus_alarm(i).active);
   }
@@ -132,7 +132,6 @@ void add_alarms(Families& families, const process::Plant& plant) {
     counts.add({{"kind", key.first}, {"severity", std::string(alarms::name_of(key.second))}}, count);
   }
   families.take(std::move(counts));
-  families.take(std::move(of_drives));
   families.take(std::move(of_buses));
 }
 

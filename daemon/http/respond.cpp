@@ -40,15 +40,15 @@ Answer not_found(std::string_view path) {
   }
   known.insert(known.begin() + 3, std::string(kOneDrive) + "NAME");
   known.emplace(known.begin(), "/");
-  return refusal(404, "there is no " + std::string(path), "resources", known);
+  return refusal(404, "there is no " + std::string(beginning(path)), "resources", known);
 }
 
 // Whoever writes a parameter wants something of it.
 std::optional<Answer> unknown_parameter(const Target& target, std::span<const std::string_view> known) {
   for (const Parameter& parameter : target.parameters) {
     if (std::ranges::find(known, parameter.name) == known.end()) {
-      return refusal(400, target.path + " knows no parameter \"" + parameter.name + "\"", "parameters",
-                     std::vector<std::string>(known.begin(), known.end()));
+      return refusal(400, target.path + " knows no parameter \"" + std::string(beginning(parameter.name)) + "\"",
+                     "parameters", std::vector<std::string>(known.begin(), known.end()));
     }
   }
   return std::nullopt;

@@ -36,6 +36,7 @@ Server::Server(boost::asio::any_io_executor executor, const config::Http& settin
       shared_{.respond = std::move(respond),
               .hosts = Hosts(settings.hosts),
               .live = std::move(live),
+              .may_stream = [this](const boost::asio::ip::address& address) { return may_stream(address); },
               .answered = [this](unsigned status) { ++figures_.answers[status]; },
               .warn = [this](std::string_view address, std::string_view what) { log_.warn(address, what); }},
       owner_{.take = [this](tcp::socket socket, bool last) { take(std::move(socket), last); },
@@ -112,6 +113,13 @@ const char* Server::refusal(const boost::asio::ip::address& address, bool last) 
     clients[*admission.instead_of]->close("disconnected: made room for another connection");
   }
   return admission.refusal;
+}
+
+bool Server::may_stream(const boost::asio::ip::address& address) const {
+  const auto all = static_cast<std::size_t>(std::ranges::count_if(clients_, &Connection::streams));
+  const auto same = static_cast<std::size_t>(std::ranges::count_if(
+      clients_, [&address](const Connection& client) { return client.streams() && client.from() == address; }));
+  return all < kMaxStreams && same < kMaxStreamsOfAddress;
 }
 
 void Server::serve(tcp::socket socket, const boost::asio::ip::address& address) {

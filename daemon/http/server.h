@@ -21,8 +21,13 @@ namespace gateway::http {
 /// The HTTP server: shows what `respond` says, and takes no command. One loop, one thread.
 class Server {
  public:
-  /// Connections at a time. Each takes some 16 kB, and what waits for all of them WaitingBytes::kMost at most.
+  /// Connections at a time. Each takes some 16 kB, and what waits for all of them WaitingBytes::kMost
+  /// at most, beside a small answer each.
   static constexpr std::size_t kMaxClients = 256;
+
+  /// Of them, that read the stream; and of one address. The rest is for those who ask.
+  static constexpr std::size_t kMaxStreams = 192;
+  static constexpr std::size_t kMaxStreamsOfAddress = 64;
 
   using Respond = std::function<Answer(const Request&)>;
 
@@ -45,6 +50,7 @@ class Server {
  private:
   void take(boost::asio::ip::tcp::socket socket, bool last);
   [[nodiscard]] const char* refusal(const boost::asio::ip::address& address, bool last);
+  [[nodiscard]] bool may_stream(const boost::asio::ip::address& address) const;
   void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
   boost::asio::awaitable<void> keep_house();
   void spawn(boost::asio::awaitable<void> work);

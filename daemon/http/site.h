@@ -11,6 +11,7 @@
 #include "bridges/mqtt/broker.h"
 #include "bridges/process/health.h"
 #include "bridges/process/plant.h"
+#include "daemon/http/answer.h"
 #include "daemon/http/command_tally.h"
 #include "daemon/http/page.h"
 #include "daemon/http/process_figures.h"
@@ -54,7 +55,7 @@ struct Site {
   std::function<ProcessFigures()> process = process_figures;
   std::function<ModbusFigures()> modbus{};
   std::function<MqttFigures()> mqtt{};
-  std::function<std::string(std::size_t drive)> history{};  ///< See History::json(); always there.
+  std::function<Pieces(std::size_t drive)> history{};  ///< See History::json(); always there.
   std::function<JournalFigures()> journal{};
   std::function<const std::deque<std::string>&()> journal_lines{};  ///< The newest, oldest first.
   std::function<HttpFigures()> http{};

@@ -56,7 +56,7 @@ std::string date_text(canopen::WallTime now) {
 }
 
 bool has_body(const Parser& parser) {
-  return parser.chunked() || parser.content_length().value_or(0) != 0;
+  return parser.get().count(beast_http::field::transfer_encoding) != 0 || parser.content_length().value_or(0) != 0;
 }
 
 std::string_view text_of(boost::beast::string_view view) {

@@ -21,7 +21,7 @@ using support::Mosquitto;
 using test::FirstWords;
 using test::TinyBroker;
 
-constexpr const char* kStatus = "canopen/line3/status";
+constexpr const char* kBrokerStatus = "canopen/line3/status";
 /// What is promised.
 constexpr auto kFailOver = 10s;
 
@@ -31,7 +31,7 @@ class Brokers : public test::PublisherFixture {
     PublisherFixture::on_connected(connection);
     used.push_back(connection.broker);
     // As the bridge does.
-    publisher->publish({{.topic = kStatus, .payload = "online", .kind = MessageKind::status, .after_all = true}});
+    publisher->publish({{.topic = kBrokerStatus, .payload = "online", .kind = MessageKind::status, .after_all = true}});
     publisher->open(connection.id);
   }
   void on_may_leave(ConnectionId connection, bool may) override {
@@ -41,7 +41,7 @@ class Brokers : public test::PublisherFixture {
     }
     publisher->leave(connection,
                      {{.topic = "canopen/line3/pump1/status", .payload = "offline"},
-                      {.topic = kStatus, .payload = "gone", .kind = MessageKind::status, .after_all = true}});
+                      {.topic = kBrokerStatus, .payload = "gone", .kind = MessageKind::status, .after_all = true}});
   }
   void on_no_connection(const std::string& why) override { failures.push_back(why); }
 
@@ -78,7 +78,7 @@ class Brokers : public test::PublisherFixture {
                            " -t " + topic + " 2>/dev/null");
   }
   [[nodiscard]] bool is_retained(const Mosquitto& broker, const std::string& payload) {
-    return run_until([&] { return retained(broker, kStatus) == "1 " + payload + "\n"; });
+    return run_until([&] { return retained(broker, kBrokerStatus) == "1 " + payload + "\n"; });
   }
 
   std::vector<std::string> used;  ///< Brokers, in the order of their connections.
@@ -164,7 +164,7 @@ TEST_F(TwoBrokers, BackAtTheFirstTheSecondIsLeftInOrder) {
   EXPECT_TRUE(is_retained(first_, "online"));
   EXPECT_TRUE(is_retained(second_, "gone"));
   EXPECT_EQ(retained(second_, "canopen/line3/pump1/status"), "1 offline\n");
-  EXPECT_EQ(retained(second_, kStatus), "1 gone\n") << "no will is left behind";
+  EXPECT_EQ(retained(second_, kBrokerStatus), "1 gone\n") << "no will is left behind";
   EXPECT_NE(reasons.back().find(name(second_.port()) + ": left, for the first broker"), std::string::npos)
       << reasons.back();
   first_.stop();

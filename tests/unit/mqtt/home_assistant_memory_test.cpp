@@ -26,8 +26,8 @@ using Kept = std::map<std::string, std::string>;
 // As the publisher's CONNECT says; a broker sends nothing longer (MQTT 5, 3.1.2.11.4).
 constexpr std::size_t kLongestSent = 128UL * 1024;
 constexpr std::size_t kMany = 100;
-constexpr const char* kMemory = "canopen/line3/home_assistant";
-constexpr const char* kStatus = "canopen/line3/status";
+constexpr const char* kPrefixMemory = "canopen/line3/home_assistant";
+constexpr const char* kGatewayStatus = "canopen/line3/status";
 
 config::Model site_of(std::size_t drives, std::string prefix) {
   config::Model model = PlantSite::bridge_model();
@@ -78,7 +78,7 @@ Kept live(const Kept& kept, std::size_t drives, const std::string& prefix, canop
   Kept after = site.broker().retained;
   std::erase_if(after, [](const auto& each) { return each.second.empty(); });
   if (orderly) {
-    after[kStatus] = "offline";
+    after[kGatewayStatus] = "offline";
   }
   return after;
 }
@@ -104,12 +104,12 @@ TEST(MqttHomeAssistantMemory, AnotherPrefixLeavesNothingOfALargeSiteBelowTheOldO
 
 TEST(MqttHomeAssistantMemory, APrefixIsKnownUntilAConnectionShowsNothingBelowIt) {
   const Kept on = live({}, 1, "homeassistant", 5s);
-  EXPECT_EQ(on.at(kMemory), R"({"prefixes":["homeassistant"]})");
+  EXPECT_EQ(on.at(kPrefixMemory), R"({"prefixes":["homeassistant"]})");
   const Kept off = live(on, 1, "", Prefixes::kPatience + 1s);
   EXPECT_EQ(devices(off, "homeassistant"), 0U);
-  EXPECT_EQ(off.at(kMemory), R"({"prefixes":["homeassistant"]})") << "nobody saw yet that it worked";
+  EXPECT_EQ(off.at(kPrefixMemory), R"({"prefixes":["homeassistant"]})") << "nobody saw yet that it worked";
   const Kept seen = live(off, 1, "", Prefixes::kPatience + 1s);
-  EXPECT_FALSE(seen.contains(kMemory));
+  EXPECT_FALSE(seen.contains(kPrefixMemory));
 }
 
 TEST(MqttHomeAssistantMemory, LivesThatEndBeforeItWasEmptiedForgetNothing) {
@@ -118,7 +118,7 @@ TEST(MqttHomeAssistantMemory, LivesThatEndBeforeItWasEmptiedForgetNothing) {
     kept = live(kept, 2, prefix, 20s, false);
     EXPECT_EQ(devices(kept, "homeassistant"), 2U) << "another gateway may live";
   }
-  EXPECT_EQ(kept.at(kMemory), R"({"prefixes":["home","homeassistant"]})") << "below haus there was never anything";
+  EXPECT_EQ(kept.at(kPrefixMemory), R"({"prefixes":["home","homeassistant"]})") << "below haus there was never anything";
   kept = live(kept, 2, "", 70s, false);
   EXPECT_EQ(devices(kept, "homeassistant") + devices(kept, "home") + devices(kept, "haus"), 0U);
 }
@@ -127,12 +127,12 @@ TEST(MqttHomeAssistantMemory, WhatMayNotBeReadIsNotTakenForEmpty) {
   const Kept on = live({}, 1, "homeassistant", 5s);
   const Kept off = live(on, 1, "", 20s, true, "homeassistant/device/canopen_line3/+/config");
   EXPECT_EQ(devices(off, "homeassistant"), 1U);
-  EXPECT_EQ(off.at(kMemory), R"({"prefixes":["homeassistant"]})");
+  EXPECT_EQ(off.at(kPrefixMemory), R"({"prefixes":["homeassistant"]})");
   EXPECT_EQ(devices(live(off, 1, "", 5s), "homeassistant"), 0U) << "where it may be";
 }
 
 TEST(MqttHomeAssistantMemory, WhereItWasNeverOnNothingIsKept) {
-  EXPECT_FALSE(live({}, 1, "", 20s).contains(kMemory));
+  EXPECT_FALSE(live({}, 1, "", 20s).contains(kPrefixMemory));
 }
 
 }  // namespace

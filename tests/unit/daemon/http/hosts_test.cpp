@@ -31,6 +31,10 @@ TEST(HttpHosts, TheMachineKnowsItself) {
   EXPECT_TRUE(hosts.knows("[fe80::1]", make_address("fe80::1%1")));
 }
 
+TEST(HttpHosts, ADotAtTheEndOfAFurtherNameIsNoneOfIt) {
+  EXPECT_TRUE(Hosts({"line3.plant.example."}).knows("line3.plant.example:9464", make_address("192.0.2.7")));
+}
+
 // A page of attacker.example that was made to resolve to our address.
 TEST(HttpHosts, NobodyElseIsKnown) {
   const Hosts hosts({"line3.plant.example"});

@@ -56,5 +56,53 @@ TEST_F(HttpLive, APieceIsBoundedAndTheRestComesNext) {
   EXPECT_THAT(take(place), HasSubstr("event: drive"));
 }
 
+TEST_F(HttpLive, WhoComesLaterIsToldTheAgesOfThen) {
+  drives_[1]->power_off();
+  loop_.advance(5s);
+  Live::Place early = live_.begin();
+  (void)take(early);
+  const auto stands_still = [&] {
+    loop_.advance(1s);
+    return take(early).find("pump1") == std::string::npos;  // an age that grows is no change
+  };
+  int tries = 20;
+  while (!stands_still() && tries > 0) {
+    --tries;
+  }
+  ASSERT_GT(tries, 0);
+  const std::string told = text("/api/drives/pump1");
+  Live::Place late = live_.begin();
+  EXPECT_THAT(take(late), HasSubstr("data: " + told + "\n"));
+}
+
+TEST_F(HttpLive, APieceWordsSomeDrivesOnly) {
+  config::Model model = test::shown_model();
+  while (model.drives.size() < Live::kMostWorded + 3) {
+    config::Drive drive = model.drives.front();
+    drive.name += std::to_string(model.drives.size());
+    drive.node.node = static_cast<std::uint8_t>(100 + model.drives.size());
+    model.drives.push_back(drive);
+  }
+  canopen::VirtualBus wire{loop_.executor()};
+  Gateway gateway{loop_.executor(), model, [&wire](const config::Bus&) { return wire.connect(); }};
+  Live live(gateway.plant());
+  const auto events_of = [&live](Live::Place& place) {
+    const std::string events = live.take(place, [] { return std::string("{}"); });
+    std::size_t count = 0;
+    for (std::size_t at = events.find("event: drive"); at != std::string::npos;
+         at = events.find("event: drive", at + 1)) {
+      ++count;
+    }
+    return count;
+  };
+  Live::Place place = live.begin();
+  EXPECT_EQ(events_of(place), Live::kMostWorded);
+  EXPECT_TRUE(place.more);
+  EXPECT_EQ(events_of(place), 3U);
+  EXPECT_FALSE(place.more);
+  Live::Place other = live.begin();
+  EXPECT_EQ(events_of(other), model.drives.size()) << "they are worded already";
+}
+
 }  // namespace
 }  // namespace gateway::http

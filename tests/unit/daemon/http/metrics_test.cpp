@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+#include <sstream>
+#include <string>
+
 #include "tests/unit/daemon/http/shown_plant.h"
 
 namespace gateway::http {
@@ -88,6 +92,30 @@ TEST_F(HttpMetrics, TellOfServersWhereThereAreSome) {
         "canopen_gateway_journal_lines_lost_total 4\n", "canopen_gateway_http_answers_total{status=\"200\"} 9\n"}) {
     EXPECT_THAT(told, HasSubstr(line));
   }
+}
+
+TEST_F(HttpMetrics, AreWordedADriveAtATime) {
+  ASSERT_TRUE(set("fan1", "frequency_command", 20.0).has_value());
+  ASSERT_TRUE(set("pump1", "frequency_command", 20.0).has_value());
+  Answer answer = begin("/metrics");
+  EXPECT_EQ(answer.text(), "");
+  std::size_t pieces = 1;
+  for (; answer.rest(answer.body).goes_on; ++pieces) {
+    EXPECT_EQ(answer.text(), "") << "a metric of all drives stands together";
+  }
+  EXPECT_EQ(pieces, 1 + drives_.size());
+  std::set<std::string> seen;
+  std::string metric;
+  std::istringstream lines(answer.body);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("# TYPE ")) {
+      metric = line.substr(7, line.find(' ', 7) - 7);
+      EXPECT_TRUE(seen.insert(metric).second) << metric << " comes twice";
+    } else if (!line.starts_with('#')) {
+      EXPECT_TRUE(line.starts_with(metric)) << line;
+    }
+  }
+  EXPECT_TRUE(seen.contains("canopen_gateway_commands_total"));
 }
 
 }  // namespace

@@ -40,6 +40,13 @@ class RawClient {
   }
   void end() { socket_.shutdown(boost::asio::ip::tcp::socket::shutdown_send); }
 
+  /// Takes no more than so many bytes of what came.
+  void take(std::size_t most) {
+    boost::system::error_code failed;
+    for (std::string piece(4096, '\0'); most >= piece.size() && !failed; most -= piece.size()) {
+      socket_.read_some(boost::asio::buffer(piece), failed);
+    }
+  }
   /// What came since the call before.
   std::string received() {
     boost::system::error_code failed;

@@ -161,6 +161,38 @@ TEST_F(HttpRespond, HistoryTakesASampleASecondForTenMinutes) {
   history_.stop();
 }
 
+TEST_F(HttpRespond, DrivesAreWordedOneAtATime) {
+  Answer answer = begin("/api/drives");
+  std::size_t pieces = 1;
+  for (; answer.rest(answer.body).goes_on; ++pieces) {
+    EXPECT_THAT(answer.body, testing::EndsWith("},"));
+  }
+  EXPECT_EQ(pieces, drives_.size());
+}
+
+TEST_F(HttpRespond, APieceOfHistoryIsBounded) {
+  history_.start();
+  loop_.advance(700s, 100ms);
+  Answer answer = begin("/api/history?drive=pump1");
+  std::size_t pieces = 0;
+  for (bool goes_on = true; goes_on; ++pieces) {
+    const std::size_t before = answer.body.size();
+    goes_on = answer.rest(answer.body).goes_on;
+    EXPECT_LE(std::count(answer.body.begin() + static_cast<std::ptrdiff_t>(before), answer.body.end(), ','),
+              static_cast<std::ptrdiff_t>(History::kValuesOfPiece) + 100)
+        << "100: what stands in front of the samples";
+  }
+  EXPECT_GT(pieces, 5U);
+  EXPECT_EQ(boost::json::parse(answer.body).at("samples").as_array().size(), History::kSamples);
+  answer = begin("/api/history?drive=pump1");
+  loop_.advance(3s, 100ms);
+  while (answer.rest(answer.body).goes_on) {
+  }
+  EXPECT_EQ(boost::json::parse(answer.body).at("samples").as_array().size(), History::kSamples - 3)
+      << "three were overwritten before they were worded";
+  history_.stop();
+}
+
 TEST_F(HttpRespond, CommandsAreTheNewestLinesOfTheJournal) {
   EXPECT_EQ(get("/api/commands").status, 404U);
   EXPECT_THAT(std::string(get("/api/commands").text()), HasSubstr("state_dir is empty"));

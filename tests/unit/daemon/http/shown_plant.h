@@ -57,8 +57,15 @@ class ShownPlant : public testing::Test {
     EXPECT_TRUE(loop_.advance_until([&] { return *stopped; }, 5s));
   }
 
-  Answer get(std::string_view target) {
+  Answer begin(std::string_view target) {
     return respond({.target = std::get<Target>(parse_target(target)), .host = "localhost"}, site_);
+  }
+  /// With all of its text.
+  Answer get(std::string_view target) {
+    Answer answer = begin(target);
+    while (answer.rest && answer.rest(answer.body).goes_on) {
+    }
+    return answer;
   }
   std::string text(std::string_view target) {
     const Answer answer = get(target);

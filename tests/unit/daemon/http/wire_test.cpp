@@ -73,7 +73,11 @@ TEST(HttpWire, TakesGetAndHeadOnly) {
 TEST(HttpWire, TakesNoBody) {
   EXPECT_EQ(refusal_of("GET / HTTP/1.1\r\nHost: a\r\nContent-Length: 5\r\n\r\n").status, 413U);
   EXPECT_EQ(refusal_of("GET / HTTP/1.1\r\nHost: a\r\nContent-Length: 18446744073709551615\r\n\r\n").status / 100, 4U);
-  EXPECT_EQ(refusal_of("GET / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n").status, 413U);
+  for (const char* const coding : {"chunked", "gzip", "chunked, gzip", "gzip, chunked", "identity", "x"}) {
+    EXPECT_EQ(refusal_of("GET / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: " + std::string(coding) + "\r\n\r\n").status,
+              413U)
+        << coding;
+  }
 }
 
 TEST(HttpWire, RefusesWhatIsNoRequest) {
