@@ -118,7 +118,8 @@ TEST(MqttHomeAssistantMemory, LivesThatEndBeforeItWasEmptiedForgetNothing) {
     kept = live(kept, 2, prefix, 20s, false);
     EXPECT_EQ(devices(kept, "homeassistant"), 2U) << "another gateway may live";
   }
-  EXPECT_EQ(kept.at(kPrefixMemory), R"({"prefixes":["home","homeassistant"]})") << "below haus there was never anything";
+  EXPECT_EQ(kept.at(kPrefixMemory), R"({"prefixes":["home","homeassistant"]})")
+      << "below haus there was never anything";
   kept = live(kept, 2, "", 70s, false);
   EXPECT_EQ(devices(kept, "homeassistant") + devices(kept, "home") + devices(kept, "haus"), 0U);
 }

@@ -43,7 +43,11 @@ TEST_F(HttpRespond, HealthIsThatOfTheBrokerAndTellsAMonitor) {
   const boost::json::object well = json("/health").as_object();
   EXPECT_EQ(well.at("drives_online").as_int64(), 4);
   EXPECT_EQ(well.at("buses").as_array().at(0).as_object().at("state").as_string(), "active");
-  EXPECT_EQ(get("/health").text(), process::health_json(gateway_.health()));
+  boost::json::object told_the_broker = boost::json::parse(process::health_json(gateway_.health())).as_object();
+  boost::json::object told_here = json("/health").as_object();
+  EXPECT_GT(told_here.at("memory").as_int64(), 0);
+  told_here["memory"] = told_the_broker["memory"];  // of another moment
+  EXPECT_EQ(told_here, told_the_broker);
   wire_.set_state({canopen::BusCondition::passive, 130, 0});
   loop_.advance(10ms);
   EXPECT_EQ(get("/health").status, 200U) << "it still carries frames";
