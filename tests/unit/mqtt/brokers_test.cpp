@@ -23,7 +23,7 @@ using test::TinyBroker;
 
 constexpr const char* kBrokerStatus = "canopen/line3/status";
 /// What is promised.
-constexpr auto kFailOver = 10s;
+constexpr auto kOverWithin = 10s;
 
 class Brokers : public test::PublisherFixture {
  public:
@@ -67,7 +67,7 @@ class Brokers : public test::PublisherFixture {
     made.look_interval = 300ms;
     return made;
   }
-  [[nodiscard]] bool is_in_use(std::uint16_t port, std::chrono::milliseconds limit = kFailOver) {
+  [[nodiscard]] bool is_in_use(std::uint16_t port, std::chrono::milliseconds limit = kOverWithin) {
     return run_until([&] { return connections.size() > disconnections && used.back() == name(port); }, limit);
   }
   [[nodiscard]] bool is_said(const std::string& part) const {
@@ -230,7 +230,7 @@ TEST_F(Brokers, AnAddressThatFallsSilentIsFollowedByTheNextOfItsName) {
   ASSERT_TRUE(connected());
   one.freeze();
   const FirstWords next("127.0.0.2", one.port());
-  EXPECT_TRUE(run_until([&next] { return next.has_client(); }, kFailOver));
+  EXPECT_TRUE(run_until([&next] { return next.has_client(); }, kOverWithin));
 }
 
 TEST_F(Brokers, ABrokerThatAcknowledgesNothingIsLeft) {

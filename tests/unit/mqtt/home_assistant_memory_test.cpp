@@ -27,7 +27,7 @@ using Kept = std::map<std::string, std::string>;
 constexpr std::size_t kLongestSent = 128UL * 1024;
 constexpr std::size_t kMany = 100;
 constexpr const char* kPrefixMemory = "canopen/line3/home_assistant";
-constexpr const char* kGatewayStatus = "canopen/line3/status";
+constexpr const char* kStatusOfTree = "canopen/line3/status";
 
 config::Model site_of(std::size_t drives, std::string prefix) {
   config::Model model = PlantSite::bridge_model();
@@ -78,7 +78,7 @@ Kept live(const Kept& kept, std::size_t drives, const std::string& prefix, canop
   Kept after = site.broker().retained;
   std::erase_if(after, [](const auto& each) { return each.second.empty(); });
   if (orderly) {
-    after[kGatewayStatus] = "offline";
+    after[kStatusOfTree] = "offline";
   }
   return after;
 }

@@ -197,13 +197,13 @@ TEST(MqttHomeAssistant, WhatIsNoPrefixIsNotWatched) {
   }
 }
 
-constexpr const char* kOthersHealth = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})";
+constexpr const char* kHealthOfAnother = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})";
 
 TEST(MqttHomeAssistant, WhereAnotherGatewayLivesNothingIsToldUntilItIsGone) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  site.receive({.topic = "canopen/line3/health", .payload = kOthersHealth}, 100ms);
+  site.receive({.topic = "canopen/line3/health", .payload = kHealthOfAnother}, 100ms);
   site.receive({.topic = kPumpConfig, .payload = kKeptConfig, .retained = true}, 5s);
   site.receive({.topic = kBirthTopic, .payload = "online"}, 5s);
   EXPECT_TRUE(site.broker().on(kPumpConfig).empty()) << "it may hold more than ours";
@@ -283,7 +283,7 @@ TEST(MqttHomeAssistant, WhereAnotherGatewayLivesNothingIsRemoved) {
   PlantSite site(model_with("homeassistant"));
   site.bring_up_drive();
   site.connect();
-  site.receive({.topic = "canopen/line3/health", .payload = kOthersHealth}, 100ms);
+  site.receive({.topic = "canopen/line3/health", .payload = kHealthOfAnother}, 100ms);
   site.receive({.topic = kGoneConfig, .payload = kKeptConfig, .retained = true}, 5s);
   EXPECT_TRUE(site.broker().on(kGoneConfig).empty());
 }

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 using test::contains;
 using test::PlantSite;
 
-constexpr const char* kGatewayStatus = "canopen/line3/status";
+constexpr const char* kStatusLeft = "canopen/line3/status";
 constexpr const char* kOldSignal = "canopen/line3/pump1/old_signal";
 constexpr const char* kSet = "pump1/frequency_command/set";
 constexpr const char* kSame = R"({"value":30.0,"id":"a1"})";
@@ -29,7 +29,7 @@ void connect_to_place(PlantSite& site, ConnectionId id, const std::string& broke
 void be_shown(PlantSite& site, const std::string& topic, const std::string& status = "offline") {
   site.broker().unanswered.clear();
   site.broker().events->on_subscribed({.filter = "canopen/line3/#"});
-  site.receive({.topic = kGatewayStatus, .payload = status, .retained = true});
+  site.receive({.topic = kStatusLeft, .payload = status, .retained = true});
   site.receive({.topic = topic, .payload = "1", .retained = true});
   site.run(Session::kQuiet + 100ms);
   site.broker().events->on_unsubscribed("canopen/line3/#");
@@ -50,7 +50,7 @@ TEST(Leaving, SaysAllThatAnOrderlyEndSaysAndThenNothing) {
   ASSERT_EQ(site.broker().left, 1U);
   const std::vector<Message>& last = site.broker().last_words;
   ASSERT_FALSE(last.empty());
-  EXPECT_EQ(last.back().topic, kGatewayStatus);
+  EXPECT_EQ(last.back().topic, kStatusLeft);
   EXPECT_EQ(last.back().payload, "offline");
   EXPECT_TRUE(last.back().after_all);
   const auto state = std::ranges::find(last, "canopen/line3/pump1/state", &Message::topic);
@@ -65,7 +65,7 @@ TEST(Leaving, SaysAllThatAnOrderlyEndSaysAndThenNothing) {
   site.broker().answer_subscriptions();
   site.loop().settle();
   EXPECT_TRUE(site.bridge().connected());
-  EXPECT_EQ(site.broker().newest(kGatewayStatus).payload, "online");
+  EXPECT_EQ(site.broker().newest(kStatusLeft).payload, "online");
   EXPECT_EQ(site.broker().left, 1U) << "once";
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint8_t kNode = 5;
+constexpr std::uint8_t kNeighbour = 5;
 
 std::string site_of(const std::string& profile, const std::string& keys = "") {
   return "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"" + profile + "\"\n" + keys +
@@ -24,7 +24,7 @@ class NeighboursTest : public SimulatedBus {
  protected:
   void bring_online(const std::string& site, const std::string& bus = "") {
     load(site, bus);
-    add("cia402-velocity", kNode).power_on();
+    add("cia402-velocity", kNeighbour).power_on();
     start();
     ASSERT_TRUE(wait_online()) << status().boot_text;
     run(3s);
@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(NeighboursTest, ADriveThatAPlcStopsIsToldAndNotStartedAgain) {
   bring_online(site_of("cia402-velocity"));
-  neighbour_.send(0x000, {0x02, kNode});
+  neighbour_.send(0x000, {0x02, kNeighbour});
   run(5s);
   EXPECT_EQ(status().nmt, canopen::NmtState::stopped);
   EXPECT_TRUE(drive().alarm(alarms::AlarmKind::boot).active);
@@ -108,7 +108,7 @@ TEST_F(NeighboursTest, ADriveThatAPlcStopsIsToldAndNotStartedAgain) {
 // A master of before has left an entry for our node id in another place, by which the drive would trip.
 TEST_F(NeighboursTest, AnEntryForOurNodeIdInAnotherPlaceOf1016IsUsed) {
   load(site_of("cia402-velocity", "supervise_gateway = \"2s\"\n"));
-  simulator::Drive& simulated = add("cia402-velocity", kNode);
+  simulator::Drive& simulated = add("cia402-velocity", kNeighbour);
   simulated.power_on();
   neighbour_.send(0x605, {0x23, 0x16, 0x10, 0x02, 0x64, 0x00, kGateway, 0x00});  // 100 ms
   run(100ms);
@@ -125,7 +125,7 @@ TEST_F(NeighboursTest, AnEntryForOurNodeIdInAnotherPlaceOf1016IsUsed) {
 
 TEST_F(NeighboursTest, ADriveThatHasNeitherHeartbeatNorGuardingIsOnlineByItsTpdos) {
   load(site_of("invt-goodrive600", "heartbeat = \"0s\"\n"));
-  simulator::Drive& simulated = add("invt-goodrive600", kNode);
+  simulator::Drive& simulated = add("invt-goodrive600", kNeighbour);
   simulated.misbehaviour().absent = {{0x1017, std::nullopt}, {0x100C, std::nullopt}, {0x100D, std::nullopt}};
   simulated.misbehaviour().heartbeat_stopped = true;
   simulated.power_on();
