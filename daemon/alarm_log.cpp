@@ -128,9 +128,9 @@ AlarmLog::Line AlarmLog::line_of(std::size_t subject) const {
   const std::size_t bus = subject - of_drives;
   const Alarm& alarm = plant_.bus_alarm(bus);
   return {level_of(alarm),
-          fmt::format("bus {}: {}{}{}", plant_.model().buses[bus].name,
+          fmt::format("bus {}: {}{}{}", plant_.model().buses[bus].name, alarm.active && alarm.first ? "first: " : "",
                       alarm.active ? alarm.text : canopen::describe(plant_.bus_state(bus).condition),
-                      alarm.active && alarm.first ? ", first" : "", left_out(alarm, subjects_[subject].count))};
+                      left_out(alarm, subjects_[subject].count))};
 }
 
 AlarmLog::Line AlarmLog::line_of(const process::Drive& drive, AlarmKind kind, const Subject& subject) const {

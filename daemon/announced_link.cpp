@@ -19,6 +19,7 @@ class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
   void close() override { link_->close(); }
   [[nodiscard]] canopen::SendResult send(const canopen::Frame& frame) override { return link_->send(frame); }
   [[nodiscard]] canopen::TimePoint heard_until() override { return link_->heard_until(); }
+  [[nodiscard]] bool echoes_prove_departure() const noexcept override { return link_->echoes_prove_departure(); }
 
  private:
   void on_frames(std::span<const canopen::Received> frames) override { events_->on_frames(frames); }

@@ -51,7 +51,8 @@ BusFinding finding_of(canopen::TransmitTrouble trouble, const std::string& inter
           "frames with lower "
           "identifiers or another program that floods it (`candump " +
               interface + "`), else for an adapter that hangs (`ip -details -statistics link show " + interface +
-              "`); taking " + interface + " down and up empties it",
+              "`); with all motors stopped, taking " + interface +
+              " down and up empties it: every drive of the bus is lost meanwhile",
           Severity::warning};
 }
 
@@ -66,10 +67,15 @@ BusFinding finding_of(const DoubledNode& doubled) {
 
 std::vector<BusFinding> bus_findings(const BusView& view) {
   std::vector<BusFinding> findings;
+  // A controller alone on its bus is error-passive by that: the cause stands before what follows of it.
+  const bool alone = view.troubles.transmit == canopen::TransmitTrouble::not_acknowledged;
+  if (alone) {
+    findings.push_back(finding_of(view.troubles.transmit, view.interface));
+  }
   if (view.state.condition != canopen::BusCondition::error_active) {
     findings.push_back(finding_of(view.state, view.interface));
   }
-  if (view.troubles.transmit != canopen::TransmitTrouble::none) {
+  if (!alone && view.troubles.transmit != canopen::TransmitTrouble::none) {
     findings.push_back(finding_of(view.troubles.transmit, view.interface));
   }
   for (const DoubledNode& doubled : view.doubled) {

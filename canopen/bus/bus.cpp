@@ -1,5 +1,6 @@
 #include "canopen/bus/bus.h"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <utility>
@@ -110,6 +111,10 @@ void Bus::on_echo(const Frame& frame, TimePoint at) {
   ++statistics_.frames_sent;
   errors_.add(false);
   load_.add(frame, at);
+  if (link_->echoes_prove_departure()) {
+    ack_error_at_.reset();  // Somebody has acknowledged it.
+    silent_since_ = std::max(silent_since_, at);
+  }
   queue_.on_echo(frame, at);
   service();
 }

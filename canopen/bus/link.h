@@ -67,6 +67,8 @@ class Link {
   /// Every frame that was received before this moment has been delivered. After a stall of the process it lies behind
   /// until what waited was read: who decides on silence asks this clock. May cost system calls.
   [[nodiscard]] virtual TimePoint heard_until() { return Clock::now(); }
+  /// An echo tells that another node acknowledged the frame; else only that kernel or adapter have taken it.
+  [[nodiscard]] virtual bool echoes_prove_departure() const noexcept { return true; }
 };
 
 }  // namespace canopen

@@ -51,7 +51,7 @@ std::string SecondMaster::text() const {
     add("SDO requests (to node " + std::to_string(sdo.node) + ")");
   }
   if (const Heard& rpdo = of(MasterSign::rpdo); rpdo.there) {
-    add("RPDOs (to node " + std::to_string(rpdo.node) + ")");
+    add("RPDOs (to node " + std::to_string(rpdo.node) + "), unless a TPDO of another drive has that identifier");
   }
   if (of(MasterSign::sync).there) {
     add("SYNC beside ours");

@@ -82,20 +82,20 @@ void TransmitQueue::drop_waiting(Which which, Departure departure) {
 
 void TransmitQueue::on_echo(const Frame& frame, TimePoint at) {
   on_received(at);
-  unsent_since_.reset();
+  forget_unsent();
   retry_at_.reset();
   retry_pause_ = kRetry;
   in_flight_.on_echo(frame, at);
 }
 
 void TransmitQueue::on_frames_lost() {
-  unsent_since_.reset();
+  forget_unsent();
   in_flight_.on_frames_lost();
 }
 
 void TransmitQueue::on_bus(bool up) {
   up_ = up;
-  unsent_since_.reset();
+  forget_unsent();
   if (up) {
     return;
   }
@@ -108,6 +108,9 @@ void TransmitQueue::on_bus(bool up) {
 
 void TransmitQueue::service(TimePoint now) {
   drop_waiting([now](const Outgoing& entry) { return now >= entry.until; }, Departure::withdrawn);
+  if (waiting_.empty() && !unsent_taken_) {
+    forget_unsent();  // What the link did not take was withdrawn, and nothing else is to leave.
+  }
   // After a stall the echo of what is late may lie in the socket.
   in_flight_.give_up_late(in_flight_.any_late(now) ? std::min(now, link_.heard_until()) : now, last_sign_of_life_);
   if (in_flight_.refuses_commands()) {
@@ -118,6 +121,11 @@ void TransmitQueue::service(TimePoint now) {
   }
   retry_at_.reset();
   hand_over(now);
+}
+
+void TransmitQueue::forget_unsent() noexcept {
+  unsent_since_.reset();
+  unsent_taken_ = false;
 }
 
 std::optional<TimePoint> TransmitQueue::next_time() const noexcept {
@@ -170,6 +178,7 @@ void TransmitQueue::hand_over(TimePoint now) {
       return;
     }
     retry_pause_ = kRetry;
+    unsent_taken_ = true;
     in_flight_.add(std::move(*next), now);
     waiting_.erase(std::next(next).base());
   }

@@ -84,6 +84,7 @@ class TransmitQueue {
   [[nodiscard]] bool may_go(const Outgoing& entry, TimePoint now) const noexcept;
   [[nodiscard]] bool motion_waits() const noexcept;
   void hand_over(TimePoint now);
+  void forget_unsent() noexcept;
   /// Drops and answers those of which `which` says so.
   template <class Which>
   void drop_waiting(Which which, Departure departure);
@@ -94,6 +95,7 @@ class TransmitQueue {
   std::uint64_t last_id_ = 0;
   std::optional<TimePoint> last_sign_of_life_;
   std::optional<TimePoint> unsent_since_;
+  bool unsent_taken_ = false;  ///< Since then a frame was handed over.
   std::optional<TimePoint> retry_at_;
   Duration retry_pause_ = kRetry;
   bool up_ = false;

@@ -5,22 +5,12 @@
 namespace canopen {
 namespace {
 
-constexpr Raw kUsed = 0x00FF'FFFF;  // Bits 24..31 are reserved.
-
-Raw node_of(Raw value) noexcept {
-  return (value >> 16U) & 0xFFU;
-}
-
-Raw time_of(Raw value) noexcept {
-  return value & 0xFFFFU;
-}
-
 /// How well an entry suits; 0: not at all.
 int suits(Raw value, Raw wanted) noexcept {
-  if (node_of(value) == node_of(wanted)) {
-    return (value & kUsed) == wanted ? 4 : time_of(value) != 0 ? 3 : 2;
+  if (consumer_node(value) == consumer_node(wanted)) {
+    return (value & kConsumerUsed) == wanted ? 4 : consumer_time(value) != 0 ? 3 : 2;
   }
-  return node_of(value) == 0 || time_of(value) == 0 ? 1 : 0;
+  return consumer_node(value) == 0 || consumer_time(value) == 0 ? 1 : 0;
 }
 
 }  // namespace
@@ -34,7 +24,8 @@ std::optional<std::vector<ConsumerEntry>> plan_consumer_table(std::span<const Co
   }
   std::vector<ConsumerEntry> plan;
   for (const ConsumerEntry& entry : found) {
-    if (entry.sub != best->sub && node_of(entry.value) == node_of(wanted) && time_of(entry.value) != 0) {
+    if (entry.sub != best->sub && consumer_node(entry.value) == consumer_node(wanted) &&
+        consumer_time(entry.value) != 0) {
       plan.push_back({entry.sub, 0});
     }
   }

@@ -9,6 +9,18 @@
 
 namespace canopen {
 
+/// What counts of an entry of 0x1016 (CiA 301 §7.5.2.19): node id and time. Bits 24..31 are reserved.
+inline constexpr Raw kConsumerUsed = 0x00FF'FFFF;
+
+[[nodiscard]] constexpr Raw consumer_node(Raw value) noexcept {
+  return (value >> 16U) & 0xFFU;
+}
+
+/// In ms.
+[[nodiscard]] constexpr Raw consumer_time(Raw value) noexcept {
+  return value & 0xFFFFU;
+}
+
 /// One entry of the consumer heartbeat table (0x1016): the node id in bits 16..23, the time in ms in bits 0..15; in use
 /// where neither is 0 (CiA 301 §7.5.2.19).
 struct ConsumerEntry {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "canopen/communication_objects.h"
-#include "canopen/node/consumer_table.h"
+#include "canopen/node/consumer_setup.h"
 #include "canopen/node/life_guarding.h"
 #include "canopen/node/node_guarding.h"
 
@@ -12,8 +12,6 @@ namespace {
 
 using Failure = std::optional<BootFailure>;
 using Remarks = std::vector<std::string>;
-
-constexpr const char* kConsumerName = "consumer heartbeat time";
 
 boost::asio::awaitable<Failure> make_so(SetupSession& session, SetupItem item, Remarks& remarks) {
   SetupOutcome outcome = co_await session.ensure(std::move(item));
@@ -34,64 +32,6 @@ SetupItem heartbeat_item(const ErrorControlSettings& control) {
     item.most = whole_ms(control.heartbeat_timeout - std::chrono::nanoseconds(1));
   }  // Without requests of ours nothing would start its life guarding, so there a heartbeat will not do.
   return item;
-}
-
-struct ConsumerTable {
-  Failure failure;
-  std::vector<ConsumerEntry> entries;  ///< Empty: it does not say how many it has.
-};
-
-boost::asio::awaitable<ConsumerTable> read_consumer_table(SetupSession& session) {
-  ConsumerTable table;
-  const Result<Raw> count = co_await session.read({kConsumerHeartbeat.index, 0}, DataType::u8);
-  if (count.has_error()) {
-    if (!is_absent(count.error())) {
-      table.failure = session.failure(count.error(), kConsumerName);
-    }
-    co_return table;
-  }
-  for (Raw sub = 1; sub <= count.value() && !table.failure; ++sub) {
-    const ObjectAddress object{kConsumerHeartbeat.index, static_cast<std::uint8_t>(sub)};
-    const Result<Raw> value = co_await session.read(object, DataType::u32);
-    if (value.has_value()) {
-      table.entries.push_back({object.sub, value.value()});
-    } else if (!is_absent(value.error())) {
-      table.failure = session.failure(value.error(), kConsumerName);
-    }
-  }
-  co_return table;
-}
-
-/// CiA 301 §7.5.2.19.
-boost::asio::awaitable<Failure> set_up_consumer(SetupSession& session, Remarks& remarks) {
-  const NodeSettings& settings = session.context().settings;
-  const Raw wanted = consumer_value(settings.gateway_node, whole_ms(settings.error_control.supervise_gateway));
-  ConsumerTable table = co_await read_consumer_table(session);
-  if (table.failure) {
-    co_return std::move(table.failure);
-  }
-  if (table.entries.empty()) {
-    table.entries.push_back({kConsumerHeartbeat.sub, 0});
-  }
-  const auto plan = plan_consumer_table(table.entries, wanted);
-  if (!plan) {
-    co_return session.difference("0x1016 " + std::string(kConsumerName) + ": each of its " +
-                                 std::to_string(table.entries.size()) +
-                                 " entries watches over another node, none is left for the gateway");
-  }
-  Failure failure;
-  for (std::size_t i = 0; i < plan->size() && !failure; ++i) {
-    const ObjectAddress object{kConsumerHeartbeat.index, (*plan)[i].sub};
-    SetupItem entry{object, DataType::u32, (*plan)[i].value, kConsumerName, SetupPolicy::write};
-    if (entry.wanted == wanted) {
-      // Some keep that time in steps of their own, or clamp it. Later than wanted it may not trip, and sooner only by
-      // so much that our heartbeat, of half that time at most, still comes in time.
-      entry.least = wanted - whole_ms(settings.error_control.supervise_gateway) / 4;
-      entry.most = wanted;
-    }
-    failure = co_await make_so(session, std::move(entry), remarks);
-  }
-  co_return failure;
 }
 
 std::string foreign_life_guarding_text(const LifeGuarding& found) {
@@ -188,8 +128,12 @@ boost::asio::awaitable<ErrorControlOutcome> set_up_error_control(SetupSession& s
   }
   if (outcome.kind == ErrorControlKind::guarding) {
     session.context().guarding.start();
-  } else if (!to_guard && control.supervise_gateway > Duration::zero() && settings.gateway_node != 0) {
+  }
+  if (outcome.kind != ErrorControlKind::guarding && !to_guard && control.supervise_gateway > Duration::zero() &&
+      settings.gateway_node != 0) {
     outcome.failure = co_await set_up_consumer(session, remarks);
+  } else {
+    co_await look_at_consumers(session, remarks);
   }
   co_return outcome;
 }

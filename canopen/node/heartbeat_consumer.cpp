@@ -36,18 +36,20 @@ std::optional<HeartbeatMessage> decode_heartbeat(std::span<const std::uint8_t> b
 HeartbeatConsumer::HeartbeatConsumer(const boost::asio::any_io_executor& executor, Duration timeout,
                                      std::function<void()> on_silence, MayStillHear may_still_hear)
     : timeout_(timeout),
+      limit_(timeout),
       on_silence_(std::move(on_silence)),
       may_still_hear_(std::move(may_still_hear)),
       wake_up_(executor, [this] { look(); }) {}
 
-void HeartbeatConsumer::watch(TimePoint from) {
+void HeartbeatConsumer::watch(TimePoint from, Duration at_least) {
   if (timeout_ <= Duration::zero()) {
     return;
   }
   last_ = from;
   first_loss_.reset();
   watching_ = true;
-  wake_up_.arm(last_ + timeout_);
+  limit_ = std::max(timeout_, at_least);
+  wake_up_.arm(last_ + limit_);
 }
 
 void HeartbeatConsumer::suspend() {
@@ -62,7 +64,7 @@ void HeartbeatConsumer::alive(TimePoint at) noexcept {
 
 void HeartbeatConsumer::frames_lost(TimePoint now) noexcept {
   first_loss_ = first_loss_.value_or(now);
-  last_ = std::max(last_, std::min(now, *first_loss_ + timeout_));
+  last_ = std::max(last_, std::min(now, *first_loss_ + limit_));
 }
 
 // The timer runs to the end that was right when it was armed; messages since then have moved that end.
@@ -70,7 +72,7 @@ void HeartbeatConsumer::look() {
   if (!watching_) {
     return;
   }
-  const TimePoint end = last_ + timeout_;
+  const TimePoint end = last_ + limit_;
   if (may_still_hear_(end)) {
     wake_up_.arm(or_soon(end));
     return;

@@ -35,8 +35,9 @@ class HeartbeatConsumer {
   HeartbeatConsumer(const boost::asio::any_io_executor& executor, Duration timeout, std::function<void()> on_silence,
                     MayStillHear may_still_hear);
 
-  /// Silence counts from `from` on, whatever was before.
-  void watch(TimePoint from);
+  /// Silence counts from `from` on, whatever was before, and is told after the timeout, or `at_least` where that is
+  /// longer.
+  void watch(TimePoint from, Duration at_least = {});
   /// Ends the watch until the next watch().
   void suspend();
   /// A message came.
@@ -50,6 +51,7 @@ class HeartbeatConsumer {
   void look();
 
   Duration timeout_;
+  Duration limit_;  ///< Of the present watch.
   std::function<void()> on_silence_;
   MayStillHear may_still_hear_;
   TimePoint last_{};                     ///< Silence counts from then on.

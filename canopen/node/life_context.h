@@ -22,6 +22,8 @@ struct Heard {
   std::optional<TimePoint> heartbeat_at{};  ///< The newest heartbeat, or answer to guarding that goes on.
   bool guarding_asked = false;              ///< A single guarding request has left: the next message is its answer.
   bool by_guarding = false;                 ///< The state comes from such an answer, and no heartbeat came since.
+  std::optional<TimePoint> cyclic_at{};     ///< That heartbeat or answer, kept where it is long ago.
+  Duration longest_gap{};                   ///< Between two of these; zero: no two were heard.
   bool stopped_by_us = false;               ///< Told so, and silent since, as a stopped node without error control is.
 };
 

@@ -166,6 +166,7 @@ struct MotorSigns {
 struct NodeSettings {
   std::uint8_t node = 1;            ///< 1..127
   std::uint8_t gateway_node = 127;  ///< 0: none. For 0x1016.
+  Duration gateway_heartbeat{};     ///< Period of the gateway's own heartbeat; zero: it sends none.
   ExpectedIdentity identity{};
   ErrorControlSettings error_control{};
   SdoSettings sdo{};

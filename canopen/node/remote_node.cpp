@@ -17,10 +17,6 @@ namespace {
 // How often a silent node is asked by SDO whether it is there: one frame, so that a node is found that neither boots
 // visibly nor has a heartbeat.
 constexpr Duration kProbeInterval = std::chrono::seconds(3);
-// Before one that is held back, or that our frames did not reach, is looked after again.
-constexpr Duration kLookAfter = std::chrono::seconds(5);
-// Before one that was left alone is looked at again: only somebody else can put it right.
-constexpr Duration kLookInterval = std::chrono::minutes(1);
 // Keeps a life that fails at once, as with a full transmit queue, from spinning.
 constexpr Duration kBreath = std::chrono::milliseconds(10);
 
@@ -124,13 +120,15 @@ boost::asio::awaitable<void> RemoteNode::live(Life& life) {
     co_await hold_back(life, found);
     co_return;
   }
+  if (found != FoundState::operational && Clock::now() < retry_at_) {
+    const bool nothing_new = co_await waits_on(life);
+    if (nothing_new) {
+      co_return;
+    }
+  }
   BootReport report;
   if (found == FoundState::operational) {
     report = co_await take_over(context(life));
-  } else if (Clock::now() < retry_at_) {
-    enter(Stage::waiting);  // It was missing meanwhile, as with a heartbeat that is too slow: nothing is new.
-    co_await pause_and_look(life);
-    co_return;
   } else if (found != FoundState::not_asked) {
     report = co_await boot(context(life), found);
   }
@@ -191,95 +189,8 @@ boost::asio::awaitable<void> RemoteNode::stay_silent(Life& life) {
   });
   settle_start_requests(silent_error());
   retry_at_ = {};  // Where it appears now, it begins anew.
+  patience_.expect_boot_up();
   co_await pause(life, Clock::now() + kProbeInterval);
-}
-
-/// It has booted, and its SDO server may wake up later: no letter yet, and the boot counts as under way.
-boost::asio::awaitable<void> RemoteNode::wait_for_answers(Life& life) {
-  const TimePoint now = Clock::now();
-  if (patience_.to_be_told()) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(patience_.until() - now);
-    events_.on_remark("its SDO server is silent after the boot-up; it has " + std::to_string(left.count()) +
-                      " ms more (sdo.patience)");
-  }
-  const TimePoint next = patience_.next_try(now);
-  co_await pause(life, next);
-}
-
-/// For another try, or for somebody to put it right.
-boost::asio::awaitable<void> RemoteNode::wait_for_retry(Life& life, BootReport report) {
-  enter(Stage::waiting);
-  Duration pause = kLookAfter;
-  if (report.letter == BootResult::left_alone && !heard_.by_guarding) {
-    pause = kLookInterval;
-  } else if (is_letter(report.letter) && !expectation_.left_by_itself()) {  // Else restart_ decides.
-    pause = retry_.after(report.letter, report.cause.empty() ? report.text : report.cause);
-  }
-  if (expectation_.left_by_itself() && restart_.at() == kNever) {
-    restart_.put_off(Clock::now());  // It did not go well.
-  }
-  if (is_letter(report.letter)) {
-    Error refused = offline_error({}, std::string(text_of(report.letter, report.held_back)) + ": " + report.text);
-    refused.kind = ErrorKind::refused;
-    settle_start_requests(refused);
-    change_status([&report](NodeStatus& status) {
-      status.configured = false;
-      status.boot_result = report.letter;
-      status.boot_text = std::move(report.text);
-      status.held_back = report.held_back;
-    });
-  }
-  retry_at_ = Clock::now() + pause;
-  co_await pause_and_look(life);
-}
-
-/// Neither configured nor started: it left operational by itself, or somebody stopped it.
-boost::asio::awaitable<void> RemoteNode::hold_back(Life& life, FoundState found) {
-  enter(Stage::held);
-  change_status([this, found](NodeStatus& status) {
-    status.configured = false;
-    if (expectation_.left_by_itself()) {
-      note_left_by_itself(status);
-    } else if (expectation_.held_by_command()) {
-      note_not_booted(status);
-    } else if (found == FoundState::stopped) {
-      status.boot_result = BootResult::not_configured;
-      status.held_back = HeldBack::found_stopped;
-      status.boot_text = "it was found stopped; it is left so until an NMT start command or its boot-up";
-    }
-  });
-  if (found != FoundState::stopped && !sdo_.answered()) {
-    static_cast<void>(co_await sdo_.probe(kDeviceType, DataType::u32));  // Reads are let through where it answers.
-  }
-  retry_at_ = std::min(Clock::now() + kLookAfter, restart_.at());
-  co_await pause_and_look(life);
-  co_await restart_if_due(life);
-}
-
-boost::asio::awaitable<void> RemoteNode::pause_and_look(Life& life) {
-  TimePoint look_at = Clock::now() + kLookAfter;
-  while (!life.over() && Clock::now() < retry_at_) {
-    const TimePoint next = std::min({retry_at_, next_serial_read(), look_at});
-    co_await life.wait_until(next);
-    co_await read_serial_if_doubled(life);
-    if (life.over() || Clock::now() < look_at || Clock::now() >= retry_at_) {
-      continue;
-    }
-    look_at = Clock::now() + kLookAfter;
-    const bool looked_at_each_minute = status_.boot_result == BootResult::left_alone && !heard_.by_guarding;
-    if (!looked_at_each_minute && (heard_.by_guarding || !heard_.heartbeat_at)) {  // Nothing comes unasked.
-      const Result<Raw> answer = co_await sdo_.probe(kDeviceType, DataType::u32);
-      if (answer.has_error() && answer.error().kind == ErrorKind::timeout && !answer.error().not_sent) {
-        co_return;
-      }
-    }
-  }
-}
-
-boost::asio::awaitable<void> RemoteNode::pause(Life& life, TimePoint until) {
-  while (!life.over() && Clock::now() < until) {
-    co_await life.wait_until(until);
-  }
 }
 
 }  // namespace canopen

@@ -42,9 +42,9 @@ struct Received;
 /// begins again when that life is over (live(), one page). The frame handlers only record what they hear and end the
 /// life. One dead drive never delays another.
 ///
-/// Parts: remote_node.cpp the life, remote_node_boot.cpp how it comes into service, remote_node_steps.cpp what belongs
-/// to a stage; remote_node_heard.cpp what is heard, remote_node_alive.cpp what tells that it lives;
-/// remote_node_asked.cpp what is read and commanded, remote_node_nmt.cpp what it is told to be.
+/// Parts: remote_node.cpp the life, remote_node_boot.cpp how it comes into service, remote_node_wait.cpp what it waits
+/// for, remote_node_steps.cpp what belongs to a stage; remote_node_heard.cpp what is heard, remote_node_alive.cpp what
+/// tells that it lives; remote_node_asked.cpp what is read and commanded, remote_node_nmt.cpp what it is told to be.
 class RemoteNode {
  public:
   /// `bus` and `events` outlive the node.
@@ -152,6 +152,7 @@ class RemoteNode {
   boost::asio::awaitable<BootReport> take_over(LifeContext context);
   boost::asio::awaitable<BootReport> boot(LifeContext context, FoundState found);
   boost::asio::awaitable<BootReport> start_node(LifeContext context);
+  boost::asio::awaitable<bool> waits_on(Life& life);
   boost::asio::awaitable<void> serve(Life& life);
   boost::asio::awaitable<void> stay_silent(Life& life);
   boost::asio::awaitable<void> wait_for_answers(Life& life);
@@ -169,6 +170,10 @@ class RemoteNode {
   [[nodiscard]] bool heartbeat_is_fresh() const;
   void forget_stale_signs();
   void enter(Stage stage);
+  /// Its SDO server is silent so far, and its heartbeats come: they are watched by the period that they have.
+  void watch_before_answers();
+  /// Its heartbeat comes more slowly than it may, so it is lost again and again without being away.
+  boost::asio::awaitable<bool> has_slow_heartbeat();
   /// Ends the life: what was queued for it is withdrawn, what is pending fails as offline, RPDOs are void.
   void end_life();
   void accept(const BootReport& report);
@@ -260,9 +265,11 @@ class RemoteNode {
   RetryPause retry_;
   TimePoint retry_at_{};  ///< Before that it is not booted again, unless something was heard of it that is new.
   SdoPatience patience_;
-  bool restarting_ = false;     ///< The next life is for that.
-  TimePoint serial_read_at_{};  ///< When it is read next, where there are hints of a second node.
-  std::string hold_reason_;     ///< Why it was not started again when it was tried.
+  bool lost_waiting_ = false;    ///< It was lost while it waited for that.
+  bool slow_heartbeat_ = false;  ///< So it was read since its boot-up.
+  bool restarting_ = false;      ///< The next life is for that.
+  TimePoint serial_read_at_{};   ///< When it is read next, where there are hints of a second node.
+  std::string hold_reason_;      ///< Why it was not started again when it was tried.
   bool running_ = false;
   bool closing_ = false;
   bool stopping_ = false;

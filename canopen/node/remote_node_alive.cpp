@@ -1,7 +1,11 @@
 // What tells that a node lives: boot-up, heartbeats, answers to guarding, without either its TPDOs and SDO answers; and
 // its silence. As in remote_node_heard.cpp handlers never wait.
 
+#include <algorithm>
+#include <chrono>
+
 #include "canopen/bus/bus.h"
+#include "canopen/communication_objects.h"
 #include "canopen/node/remote_node.h"
 
 namespace canopen {
@@ -30,6 +34,8 @@ void RemoteNode::on_error_control(const Received& received) {
 
 void RemoteNode::on_boot_up(TimePoint at) {
   heard_ = Heard{.boot_up = true};
+  lost_waiting_ = false;
+  slow_heartbeat_ = false;
   expectation_.begin_anew();
   restart_.begin_anew();
   retry_.begin_anew();
@@ -60,7 +66,12 @@ void RemoteNode::on_heartbeat(NmtState state, TimePoint at) {
   patience_.hear(state == NmtState::operational, at);
   heard_.heartbeat_at = at;
   heard_.by_guarding = false;
+  heard_.longest_gap = std::max(heard_.longest_gap, at - heard_.cyclic_at.value_or(at));
+  heard_.cyclic_at = at;
   watch_.alive(at);
+  if (stage_ == Stage::configuring && !sdo_.answered()) {
+    watch_before_answers();
+  }
   if (status_.lost) {
     change_status([](NodeStatus& status) { status.lost = false; });
     if (stage_ != Stage::configuring && stage_ != Stage::starting) {
@@ -105,7 +116,31 @@ void RemoteNode::on_single_guarding_answer(NmtState state, TimePoint at) {
   take_state(state, expectation_.hear(state, at));
 }
 
+/// Nothing was written to it yet, so its heartbeat is as it was, and may have a longer period than it will be given.
+/// One that boots without a heartbeat is not watched, nor is one that answers: its heartbeat may be about to change.
+void RemoteNode::watch_before_answers() {
+  if (sdo_.answered() || !heard_.cyclic_at || heard_.longest_gap == Duration::zero()) {
+    watch_.suspend();
+    return;
+  }
+  const bool slow = heard_.longest_gap >= settings_.error_control.heartbeat_timeout;
+  watch_.watch(*heard_.cyclic_at, slow ? heard_.longest_gap + heard_.longest_gap / 2 : Duration::zero());
+}
+
+/// Asked once after each try to boot it.
+boost::asio::awaitable<bool> RemoteNode::has_slow_heartbeat() {
+  if (!slow_heartbeat_) {
+    const Result<Raw> period = co_await sdo_.probe(kProducerHeartbeat, DataType::u16);
+    slow_heartbeat_ =
+        period.has_value() && std::chrono::milliseconds(period.value()) >= settings_.error_control.heartbeat_timeout;
+  }
+  co_return slow_heartbeat_;
+}
+
 void RemoteNode::on_silence() {
+  if (stage_ == Stage::configuring && sdo_.answered()) {
+    return;  // It began to answer since the watch began: watch_before_answers().
+  }
   if (without_error_control() && bus_.state().up() && status_.nmt_now() == NmtState::stopped) {
     on_silence_after_stop();
     return;
@@ -122,7 +157,8 @@ void RemoteNode::on_silence() {
     // A search goes on: it asks the node at its end.
     // Guarding requests go on: the answer to the last one may be on its way. They end where the search finds nobody.
     heard_ = Heard{};
-    const TimePoint retry_at = stage_ == Stage::waiting ? retry_at_ : TimePoint{};
+    lost_waiting_ = stage_ == Stage::waiting;
+    const TimePoint retry_at = lost_waiting_ ? retry_at_ : TimePoint{};
     end_life();
     retry_at_ = retry_at;
   }

@@ -56,6 +56,7 @@ boost::asio::awaitable<BootReport> RemoteNode::boot(LifeContext context, FoundSt
   enter(Stage::configuring);
   expectation_.begin_boot();
   take_start_requests();
+  slow_heartbeat_ = false;
   BootReport report;
   // A stopped node answers no SDO; an operational one refuses most settings.
   if (found == FoundState::stopped || found == FoundState::operational) {
@@ -184,6 +185,7 @@ void RemoteNode::go_online(Arrival arrival) {
   enter(Stage::serving);
   restart_.come_online(Clock::now());
   retry_.begin_anew();
+  patience_.settle();
   change_status([this](NodeStatus& status) {
     status.online = true;
     status.configured = true;

@@ -194,6 +194,7 @@ boost::asio::awaitable<Result<void>> RemoteNode::start_by_boot(TimePoint deadlin
   if (stage_ != Stage::searching && stage_ != Stage::configuring && stage_ != Stage::inspecting) {
     end_life();
   }
+  changed_.notify();  // Where it is waited for the drive's SDO server, it is tried at once.
   while (!request.result && Clock::now() < deadline) {
     co_await changed_.wait_until(deadline);
   }

@@ -49,6 +49,8 @@ void RemoteNode::enter(Stage stage) {
       watch_.suspend();
       break;
     case Stage::configuring:  // Its heartbeat may only be switched on in the course of it.
+      watch_before_answers();
+      break;
     case Stage::starting:
       watch_.suspend();
       break;

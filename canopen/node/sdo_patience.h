@@ -10,7 +10,8 @@ namespace canopen {
 /// Until when the SDO server of a node may be silent, since it wakes up later than the rest of it
 /// (SdoSettings::patience), and how far apart the boots are that are tried until then. Counts from the node's boot-up
 /// message. Of a node that was away, or was reset, that message may have been missed: there from its first sign of
-/// another state than operational. A plain value.
+/// another state than operational. Further boot-ups do not prolong it before a boot of the node has come to an end with
+/// answers (settle()): one that reboots for ever has its letter, too. A plain value.
 class SdoPatience {
  public:
   static constexpr Duration kFirstPause = std::chrono::milliseconds(500);
@@ -20,16 +21,26 @@ class SdoPatience {
 
   /// Its boot-up message was received at `at`.
   void begin(TimePoint at) noexcept {
-    until_ = at + patience_;
     pause_ = kFirstPause;
-    away_ = false;
-    told_ = false;
+    if (std::exchange(away_, false) || settled_) {
+      until_ = at + patience_;
+      settled_ = false;
+      told_ = false;
+    }
   }
+  /// It is in service, or it answered and has a letter for something else.
+  void settle() noexcept { settled_ = true; }
   /// It was lost, nobody can hear it, or it was told to reset.
   void expect_boot_up() noexcept { away_ = true; }
   /// It shows its state.
   void hear(bool operational, TimePoint at) noexcept {
-    if (std::exchange(away_, false) && !operational) {
+    if (!away_) {
+      return;
+    }
+    if (operational) {
+      away_ = false;
+      settle();
+    } else {
       begin(at);
     }
   }
@@ -49,7 +60,8 @@ class SdoPatience {
   Duration patience_;
   TimePoint until_{};
   Duration pause_ = kFirstPause;
-  bool away_ = true;  ///< Before it was ever heard, too.
+  bool away_ = true;      ///< Before it was ever heard, too.
+  bool settled_ = false;  ///< Its next boot-up has a patience of its own.
   bool told_ = false;
 };
 

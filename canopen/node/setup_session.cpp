@@ -136,17 +136,18 @@ boost::asio::awaitable<SetupOutcome> SetupSession::ensure(SetupItem item) {
   item.wanted = normalise(item.type, item.wanted);
   const Result<Raw> found = co_await read(item.object, item.type);
   if (found.has_value()) {
-    outcome.confirmed = found.value() == item.wanted;
+    const Raw shown = found.value() & item.mask;
+    outcome.confirmed = shown == item.wanted;
     if (outcome.confirmed) {
       co_return outcome;
     }
-    if (inspecting() && will_do(item, found.value())) {
+    if (inspecting() && will_do(item, shown)) {
       outcome.will_do = true;
-      outcome.remark = difference_text(item, found.value()) + ", which will do";
+      outcome.remark = difference_text(item, shown) + ", which will do";
       co_return outcome;
     }
     if (inspecting() || item.policy == SetupPolicy::verify) {
-      outcome.failure = difference(difference_text(item, found.value()));
+      outcome.failure = difference(difference_text(item, shown));
       co_return outcome;
     }
     co_return co_await correct(std::move(item), true);
@@ -179,12 +180,16 @@ boost::asio::awaitable<SetupOutcome> SetupSession::correct(SetupItem item, bool 
   const Result<Raw> back = co_await read(item.object, item.type);
   if (back.has_error()) {
     outcome.failure = failure(back.error(), item.name);
-  } else if (back.value() != item.wanted && will_do(item, back.value())) {
-    outcome.will_do = true;
-    outcome.remark = difference_text(item, back.value()) + " after it was written, which will do";
     co_return outcome;
-  } else if (back.value() != item.wanted) {
-    outcome.failure = difference(difference_text(item, back.value()) + " after it was written");
+  }
+  const Raw shown = back.value() & item.mask;
+  if (shown != item.wanted && will_do(item, shown)) {
+    outcome.will_do = true;
+    outcome.remark = difference_text(item, shown) + " after it was written, which will do";
+    co_return outcome;
+  }
+  if (shown != item.wanted) {
+    outcome.failure = difference(difference_text(item, shown) + " after it was written");
   }
   outcome.confirmed = !outcome.failure;
   co_return outcome;

@@ -40,6 +40,7 @@ struct SetupItem {
   /// some drives round or clamp. `most` 0: none.
   Raw least = 0;
   Raw most = 0;
+  Raw mask = ~Raw{0};  ///< Of what is read no other bits count.
 };
 
 [[nodiscard]] constexpr bool will_do(const SetupItem& item, Raw found) noexcept {

@@ -160,6 +160,7 @@ void take_own_keys(DriveDraft& draft) {
   // An id out of range has its finding; 0 keeps it out of what is worked out from it.
   drive.node.node = keys.node;
   drive.node.gateway_node = draft.bus.node_id;
+  drive.node.gateway_heartbeat = draft.bus.node_id == 0 ? Duration::zero() : draft.bus.heartbeat;
   drive.node.reconfigure_running = keys.reconfigure_running;
   drive.node.restart = keys.restart;
   drive.on_stale = keys.on_stale.value_or(draft.model.modbus.has_value() ? draft.model.modbus->on_stale : OnStale());

@@ -52,13 +52,14 @@ class SocketCanLink final : public Link {
   void close() override;
   SendResult send(const Frame& frame) override;
   TimePoint heard_until() override;
+  [[nodiscard]] bool echoes_prove_departure() const noexcept override { return proves_departure_; }
 
  private:
   /// Asks for the interface, opens or closes the socket, and tells a changed state.
   void look();
   void open_socket(const Interface& interface);
   void drop_socket();  ///< With all that waits in it, which is from before.
-  void tell_of_limits(const Interface& interface, int receive_buffer);
+  void tell_of_limits(const std::array<std::string, 2>& limits);
   void tell(const BusState& state);
   void tell_timing(const std::optional<BitTiming>& timing);
 
@@ -75,10 +76,11 @@ class SocketCanLink final : public Link {
   std::optional<socketcan::InterfaceQuery> query_;
   std::optional<Readable> bell_;
   std::optional<Readable> socket_;
-  int interface_index_ = 0;  ///< Of the socket.
-  int failed_index_ = 0;     ///< Of the interface whose socket could not be opened.
-  int told_index_ = 0;       ///< Of the interface whose limits were told of.
-  bool gone_ = false;        ///< A frame could not be sent, since the socket's interface went away.
+  int interface_index_ = 0;        ///< Of the socket.
+  int failed_index_ = 0;           ///< Of the interface whose socket could not be opened.
+  bool proves_departure_ = false;  ///< Of the socket's interface.
+  int told_index_ = 0;             ///< Of the interface whose limits were told of.
+  bool gone_ = false;              ///< A frame could not be sent, since the socket's interface went away.
   WakeUp look_again_;
   WakeUp count_again_;
   ReceiveBatch batch_;
@@ -199,8 +201,11 @@ void SocketCanLink::open_socket(const Interface& interface) {
   interface_index_ = interface.index;
   clock_.start(Clock::now());
   socket_.emplace(executor_, std::move(opened.descriptor), [this] { return receive(); });
+  const std::string driver = socketcan::driver_of(socket_->get(), name_);
+  const std::string no_departure = socketcan::no_departure_notice(echo_, interface.echoes, driver);
+  proves_departure_ = no_departure.empty();
   if (std::exchange(told_index_, interface.index) != interface.index) {
-    tell_of_limits(interface, opened.receive_buffer);
+    tell_of_limits({socketcan::small_buffer_notice(opened.receive_buffer), no_departure});
   }
 }
 
@@ -210,10 +215,8 @@ void SocketCanLink::drop_socket() {
   interface_index_ = 0;
 }
 
-void SocketCanLink::tell_of_limits(const Interface& interface, int receive_buffer) {
-  const std::string driver = socketcan::driver_of(socket_->get(), name_);
-  for (const std::string& text : {socketcan::small_buffer_notice(receive_buffer),
-                                  socketcan::no_departure_notice(echo_, interface.echoes, driver)}) {
+void SocketCanLink::tell_of_limits(const std::array<std::string, 2>& limits) {
+  for (const std::string& text : limits) {
     if (!text.empty()) {
       notice_(name_ + ": " + text);
     }

@@ -78,6 +78,19 @@ TEST(BusFindings, EachNamesItsLikelyCauseAndTheRemedy) {
   EXPECT_EQ(bus_findings(cases[5].view)[0].severity, Severity::warning);
 }
 
+// Alone on its bus a controller is error-passive within milliseconds.
+TEST(BusFindings, ThatNobodyAcknowledgesStandsBeforeTheStateThatFollowsOfIt) {
+  for (const BusCondition condition : {BusCondition::warning, BusCondition::passive}) {
+    const BusView view{.state = {.condition = condition},
+                       .troubles = {.transmit = canopen::TransmitTrouble::not_acknowledged}};
+    EXPECT_EQ(reasons(view).at(0), "no-acknowledge");
+    EXPECT_EQ(reasons(view).size(), 2U);
+  }
+  EXPECT_EQ(reasons({.state = {.condition = BusCondition::passive},
+                     .troubles = {.transmit = canopen::TransmitTrouble::stuck}}),
+            (std::vector<std::string>{"passive", "transmit-stuck"}));
+}
+
 TEST(BusFindings, ABusThatIsDownComesFirst) {
   EXPECT_EQ(reasons({.state = {.condition = BusCondition::down},
                      .troubles = {.own_node_id = true, .overload = false, .second_master = {}}}),

@@ -105,8 +105,8 @@ TEST_F(AlarmsTest, ABootAlarmWhereNoSettingIsTheCauseSaysSoOnce) {
   status_.boot_text = "it was found stopped; it is left so until an NMT start command or its boot-up";
   alarms_->on_status(status_, wall_);
   EXPECT_EQ(alarms_->alarm(AlarmKind::boot).text,
-            "J: it was found stopped; it is left so until an NMT start command or its boot-up. What to do first: find "
-            "out who stopped it, and why; then NMT start");
+            "J: it was found stopped; it is left so until an NMT start command or its boot-up. What to do first: " +
+                std::string(first_steps(status_.boot_result, status_.held_back)));
   EXPECT_EQ(alarms_->alarm(AlarmKind::boot).reason, "found-stopped");
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <set>
@@ -58,6 +59,26 @@ TEST(BootLetters, EachHasATextAndFirstSteps) {
     }
   }
   EXPECT_EQ(letters, "BCDEFJKLMNO") << "those of CiA 302-2 that occur";
+}
+
+// A drive that is started with a run command may run: whoever follows the steps takes it away first.
+TEST(BootLetters, NoFirstStepLeadsToAStartWithARunCommand) {
+  int starts = 0;
+  for (unsigned number = 1; number < 255; ++number) {
+    for (const HeldBack held_back : kAllHeldBack) {
+      const std::string_view steps = first_steps(static_cast<BootResult>(number), held_back);
+      const std::size_t start = std::min(steps.find("NMT start"), steps.find("NMT pre-operational"));
+      if (start == std::string_view::npos) {
+        continue;
+      }
+      ++starts;
+      EXPECT_LT(steps.find("take its run command away where it comes from"), start) << steps;
+      const std::size_t stop =
+          std::min({steps.find("send a stop"), steps.find("stop the motor"), steps.find("switch it off and on")});
+      EXPECT_LT(stop, start) << steps;
+    }
+  }
+  EXPECT_EQ(starts, 3 + static_cast<int>(kAllHeldBack.size())) << "three of J; L whatever holds it";
 }
 
 TEST(BootLetters, OnlyLetterJDependsOnWhatHoldsTheDriveBack) {

@@ -108,6 +108,20 @@ TEST_F(BootRetryTest, AHeartbeatThatIsTooSlowIsNoNewCause) {
   EXPECT_LE(writes.size(), 1U) << "one try in a minute";
 }
 
+// It was switched off and on, with its mistake corrected, and nobody heard its boot-up message.
+TEST_F(BootRetryTest, OneThatWasLostAndComesBackIsBootedAtOnce) {
+  boot_in_vain();
+  for (const Duration pause : {5s, 10s, 20s}) {
+    expect_about(next_try(), pause);
+  }
+  slave_.unplug(true);
+  loop_.advance(1800ms);
+  ASSERT_TRUE(status().lost);
+  slave_.set(kHeartbeatTime, DataType::u16, 500);
+  slave_.unplug(false);
+  EXPECT_TRUE(wait_online(3s)) << status().boot_text;
+}
+
 TEST_F(BootRetryTest, OnceAnErrorIsGoneAStartIsTriedSoon) {
   slave_.set(kHeartbeatTime, DataType::u16, 500);
   slave_.set({0x1001, 0}, DataType::u8, 0x01);

@@ -107,7 +107,9 @@ TEST_F(BusWatchTest, WhatCommandsANodeIsOursAloneToSend) {
   EXPECT_TRUE(told_.empty());
   hear(frame(0x205, 15));
   hear(frame(0x205, 15));
-  EXPECT_EQ(now().second_master, "another master or a tool is on the bus: it sends RPDOs (to node 5)");
+  EXPECT_EQ(now().second_master,
+            "another master or a tool is on the bus: it sends RPDOs (to node 5), unless a TPDO of another drive has "
+            "that identifier");
   EXPECT_EQ(told_.size(), 1U);
 }
 

@@ -166,5 +166,123 @@ INSTANTIATE_TEST_SUITE_P(Times, RoundedConsumerTest,
                          testing::Values(RoundedEntry{0x007F05DB, false}, RoundedEntry{0x007F05DC, true},
                                          RoundedEntry{0x007F07C0, true}, RoundedEntry{0x007F07D1, false}));
 
+TEST_F(ConsumerSetupTest, ReservedBitsAreNoDifference) {
+  running(supervised());
+  set_table({0xFF7F07D0});
+  start(supervised());
+  loop_.advance(2s);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  expect_untouched();
+}
+
+/// `supervise_gateway`, our heartbeat and what the drive makes of the entry, in ms.
+struct TightEntry {
+  int supervise;
+  int heartbeat;
+  unsigned shown;
+  bool fits;
+};
+
+class TightConsumerTest : public ConsumerSetupTest, public testing::WithParamInterface<TightEntry> {
+ protected:
+  static NodeSettings tight() {
+    NodeSettings settings = bench_settings();
+    settings.error_control.supervise_gateway = std::chrono::milliseconds(GetParam().supervise);
+    settings.gateway_heartbeat = std::chrono::milliseconds(GetParam().heartbeat);
+    return settings;
+  }
+  static Raw shown() { return 0x007F0000U | GetParam().shown; }
+};
+
+TEST_P(TightConsumerTest, NoneThatOneLateHeartbeatOfOursTripsWillDoInABoot) {
+  install(tight());
+  set_table({0});
+  round_to({0x1016, 1}, DataType::u32, shown());
+  boot(tight());
+  EXPECT_EQ(status().online, GetParam().fits) << status().boot_text;
+}
+
+TEST_P(TightConsumerTest, NorInATakeover) {
+  running(tight());
+  set_table({shown()});
+  start(tight());
+  loop_.advance(2s);
+  EXPECT_EQ(status().online, GetParam().fits) << status().boot_text;
+  expect_untouched();
+}
+
+INSTANTIATE_TEST_SUITE_P(Times, TightConsumerTest,
+                         testing::Values(TightEntry{600, 500, 599, false}, TightEntry{600, 500, 450, false},
+                                         TightEntry{600, 500, 600, true}, TightEntry{1000, 500, 999, false},
+                                         TightEntry{2000, 900, 1799, false}, TightEntry{2000, 900, 1800, true},
+                                         TightEntry{2000, 500, 1500, true}));
+
+/// `supervise_gateway` is not set, and our heartbeat comes each 500 ms.
+class LeftEntryTest : public ConsumerSetupTest {
+ protected:
+  static NodeSettings unsupervised() {
+    NodeSettings settings = bench_settings();
+    settings.gateway_heartbeat = 500ms;
+    return settings;
+  }
+};
+
+TEST_F(LeftEntryTest, OneThatOurHeartbeatNeverKeepsIsClearedInABoot) {
+  install(unsupervised());
+  set_table({0x00010064, 0x007F0064});
+  boot(unsupervised());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_EQ(table(), (std::vector<Raw>{0x00010064, 0}));
+  EXPECT_TRUE(
+      remarked("0x1016:02 has the gateway's node id: the drive trips when our heartbeat is missing for 100 ms, "
+               "and it comes each 500 ms; left by another master, it was cleared"));
+}
+
+TEST_F(LeftEntryTest, OneThatCannotBeClearedIsNamed) {
+  install(unsupervised());
+  set_table({0x007F0064});
+  slave_.refuse_write({0x1016, 1}, 0x06010002);
+  boot(unsupervised());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_TRUE(remarked("it cannot be cleared: "));
+}
+
+TEST_F(LeftEntryTest, InATakeoverItIsOnlyNamed) {
+  running(unsupervised());
+  set_table({0x007F0064});
+  start(unsupervised());
+  loop_.advance(2s);
+  EXPECT_TRUE(status().online) << status().boot_text;
+  expect_untouched();
+  EXPECT_TRUE(remarked("0x1016:01 has the gateway's node id"));
+  EXPECT_TRUE(remarked("; clear it, or set supervise_gateway"));
+}
+
+// Somebody may want it so.
+TEST_F(LeftEntryTest, OneThatOurHeartbeatBarelyKeepsIsOnlyNamed) {
+  install(unsupervised());
+  set_table({0x007F03E7});
+  boot(unsupervised());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_TRUE(slave_.writes().empty());
+  EXPECT_TRUE(remarked("is missing for 999 ms"));
+}
+
+TEST_F(LeftEntryTest, OneThatItKeepsAndThoseOfOthersAreNothingToTell) {
+  install(unsupervised());
+  set_table({0x007F03E8, 0x00010064, 0, 0x007F0000});
+  boot(unsupervised());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_TRUE(slave_.writes().empty());
+  EXPECT_TRUE(events_.remarks.empty());
+}
+
+TEST_F(LeftEntryTest, NorIsADriveWithoutTheTable) {
+  install(unsupervised());
+  boot(unsupervised());
+  EXPECT_TRUE(status().online) << status().boot_text;
+  EXPECT_TRUE(events_.remarks.empty());
+}
+
 }  // namespace
 }  // namespace canopen

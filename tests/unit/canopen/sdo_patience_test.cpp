@@ -56,8 +56,38 @@ TEST(SdoPatience, PausesGrowAndNoneGoesPastItsEnd) {
   EXPECT_EQ(patience.next_try(kBegin), kBegin + 2s);
   EXPECT_EQ(patience.next_try(kBegin), kBegin + 2s);
   EXPECT_EQ(patience.next_try(kBegin + 4s), kBegin + 5s);
+  patience.settle();
   patience.begin(kBegin + 9s);
-  EXPECT_EQ(patience.next_try(kBegin + 9s), kBegin + 9500ms) << "each boot-up begins anew";
+  EXPECT_EQ(patience.next_try(kBegin + 9s), kBegin + 9500ms);
+}
+
+TEST(SdoPatience, ABootUpBeforeABootHasEndedDoesNotProlongIt) {
+  SdoPatience patience(5s);
+  for (const Duration at : {0s, 4s, 8s}) {
+    patience.begin(kBegin + at);
+    EXPECT_EQ(patience.until(), kBegin + 5s);
+  }
+  EXPECT_FALSE(patience.lasts(kBegin + 8s));
+}
+
+TEST(SdoPatience, OneBehindALossOrAResetOfOursBeginsAnew) {
+  SdoPatience patience(5s);
+  patience.begin(kBegin);
+  patience.expect_boot_up();
+  patience.begin(kBegin + 4s);
+  EXPECT_EQ(patience.until(), kBegin + 9s);
+}
+
+TEST(SdoPatience, OneBehindABootThatHasEndedBeginsAnew) {
+  SdoPatience patience(5s);
+  patience.begin(kBegin);
+  patience.settle();
+  patience.begin(kBegin + 4s);
+  EXPECT_EQ(patience.until(), kBegin + 9s);
+  SdoPatience of_a_running_one(5s);
+  of_a_running_one.hear(true, kBegin);
+  of_a_running_one.begin(kBegin + 4s);
+  EXPECT_EQ(of_a_running_one.until(), kBegin + 9s);
 }
 
 class LateServerTest : public NodeLifeBench {
@@ -128,9 +158,26 @@ TEST_F(LateServerTest, OneThatFallsSilentAgainIsWaitedForToo) {
   expect_no_alarm();
 }
 
-TEST_F(LateServerTest, AnotherBootUpBeginsAnew) {
+TEST_F(LateServerTest, OneThatRebootsForEverHasItsLetter) {
   boots_with_a_silent_server(patient(6s));
-  loop_.advance(5s);
+  int letters = 0;
+  for (int reboot = 0; reboot < 5; ++reboot) {
+    loop_.advance(4s);
+    letters += is_letter(status().boot_result) ? 1 : 0;
+    slave_.boot_up();
+    loop_.settle();
+  }
+  EXPECT_EQ(letters, 4) << "all but the first time";
+  EXPECT_EQ(status().boot_ups, 6U);
+}
+
+TEST_F(LateServerTest, OneThatWasInServiceMaySleepAgainBehindItsNextBootUp) {
+  boots_with_a_silent_server(patient(6s));
+  loop_.advance(3s);
+  slave_.mute_sdo(false);
+  ASSERT_TRUE(wait_online(5s)) << status().boot_text;
+  loop_.advance(10s);
+  slave_.mute_sdo(true);
   slave_.boot_up();
   loop_.advance(5900ms);
   expect_no_alarm();
@@ -155,15 +202,65 @@ TEST_F(LateServerTest, OneThatRunsIsNot) {
   EXPECT_EQ(status().boot_result, BootResult::no_answer) << "it is there for long";
 }
 
-TEST_F(LateServerTest, ALossEndsTheWait) {
+TEST_F(LateServerTest, OneThatDiesMeanwhileIsLostAfterItsTimeout) {
   boots_with_a_silent_server(patient(60s));
   loop_.advance(2s);
-  const auto heartbeats_end = [this] {
-    slave_.unplug(true);
-    loop_.advance(65s, 5ms);
-  };
-  heartbeats_end();
-  EXPECT_EQ(status().boot_result, BootResult::no_answer) << "the patience is over, and nothing answers";
+  slave_.unplug(true);
+  loop_.advance(900ms);
+  expect_no_alarm();
+  loop_.advance(700ms);  // Heartbeats came each 500 ms.
+  EXPECT_TRUE(status().lost);
+  EXPECT_EQ(status().heartbeat_losses, 1U);
+  loop_.advance(60s, 5ms);
+  EXPECT_TRUE(status().lost) << "for good";
+  slave_.unplug(false);
+  slave_.mute_sdo(false);
+  slave_.boot_up();
+  EXPECT_TRUE(wait_online(5s)) << status().boot_text;
+}
+
+// What it will be told comes later; as it boots its heartbeat is that of the factory.
+TEST_F(LateServerTest, AHeartbeatSlowerThanTheTimeoutIsWatchedByItsOwnPeriod) {
+  install(patient(60s));
+  motor_stands();
+  slave_.set(kHeartbeatTime, DataType::u16, 2000);
+  slave_.mute_sdo(true);
+  start(patient(60s));
+  slave_.boot_up();
+  loop_.advance(20s);
+  expect_no_alarm();
+  slave_.unplug(true);
+  loop_.advance(3100ms);
+  EXPECT_TRUE(status().lost);
+}
+
+TEST_F(LateServerTest, OneWithoutAHeartbeatIsNotMissedMeanwhile) {
+  install(patient(20s));
+  motor_stands();
+  slave_.set(kHeartbeatTime, DataType::u16, 0);
+  slave_.mute_sdo(true);
+  start(patient(20s));
+  slave_.boot_up();
+  loop_.advance(19s);
+  expect_no_alarm();
+  slave_.mute_sdo(false);
+  EXPECT_TRUE(wait_online(5s)) << status().boot_text;
+}
+
+TEST_F(LateServerTest, AnNmtStartTriesAtOnce) {
+  boots_with_a_silent_server(patient(60s));
+  loop_.advance(10s);
+  std::size_t before = 0;
+  while (slave_.reads().size() != before) {
+    before = slave_.reads().size();
+    loop_.advance(700ms);  // Longer than between two requests of a try: a pause of 2 s has begun.
+  }
+  slave_.mute_sdo(false);
+  const auto started = command(NmtCommand::start, 3s);
+  EXPECT_TRUE(loop_.advance_until([&] { return slave_.reads().size() > before; }, 700ms));
+  loop_.advance(2s);
+  ASSERT_TRUE(started.done());
+  EXPECT_TRUE(started.get().has_value()) << to_string(started.get().error());
 }
 
 TEST_F(LateServerTest, CommandsAreRefusedMeanwhileAndAStopIsSent) {

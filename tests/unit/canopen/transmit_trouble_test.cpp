@@ -90,6 +90,7 @@ class TransmitWatchTest : public ::testing::Test {
       return test_.result_;
     }
     TimePoint heard_until() override { return test_.heard_until_.value_or(Clock::now()); }
+    [[nodiscard]] bool echoes_prove_departure() const noexcept override { return test_.proves_departure_; }
 
    private:
     TransmitWatchTest& test_;
@@ -136,6 +137,7 @@ class TransmitWatchTest : public ::testing::Test {
   support::HandDrivenLoop loop_;
   LinkEvents* events_ = nullptr;
   SendResult result_ = SendResult::handed_over;
+  bool proves_departure_ = true;
   int handed_over_ = 0;
   Frame last_{};
   std::optional<TimePoint> heard_until_;
@@ -182,6 +184,42 @@ TEST_F(TransmitWatchTest, NobodyAcknowledgesUntilSomebodyIsHeard) {
   EXPECT_EQ(now(), TransmitTrouble::none);
 }
 
+// An echo that proves departure is the acknowledgement: drives whose heartbeats are slow make it no alarm that comes
+// and goes.
+TEST_F(TransmitWatchTest, AFrameThatHasLeftWasAcknowledged) {
+  for (int i = 0; i < 20; ++i) {
+    events_->on_error_frame(ErrorSign::not_acknowledged);
+    loop_.advance(100ms, 10ms);
+  }
+  ASSERT_EQ(now(), TransmitTrouble::not_acknowledged);
+  echo();
+  hear();
+  for (int i = 0; i < 5; ++i) {
+    live(2s, true, false);
+    hear();
+  }
+  EXPECT_EQ(now(), TransmitTrouble::none);
+  EXPECT_EQ(told_.size(), 2U);
+}
+
+TEST_F(TransmitWatchTest, ASingleAckErrorOnAQuietBusIsNone) {
+  live(2s, true, false);
+  events_->on_error_frame(ErrorSign::not_acknowledged);
+  live(5s, true, false);
+  EXPECT_TRUE(told_.empty());
+}
+
+TEST_F(TransmitWatchTest, AnEchoOfAnAdapterThatOnlyTookTheFrameIsNoAcknowledgement) {
+  proves_departure_ = false;
+  for (int i = 0; i < 20; ++i) {
+    events_->on_error_frame(ErrorSign::not_acknowledged);
+    loop_.advance(100ms, 10ms);
+    echo();
+  }
+  live(5s, true, false);
+  EXPECT_EQ(now(), TransmitTrouble::not_acknowledged);
+}
+
 TEST_F(TransmitWatchTest, OtherErrorFramesAreNoSignOfIt) {
   for (int i = 0; i < 20; ++i) {
     events_->on_error_frame(ErrorSign::other);
@@ -205,8 +243,37 @@ TEST_F(TransmitWatchTest, LostFramesMayHaveBeenEchoes) {
   loop_.advance(600ms, 10ms);  // A heartbeat leaves, and its echo is lost.
   handed_over_ = 0;
   events_->on_frames_lost(3);
-  loop_.advance(300ms, 10ms);
+  loop_.advance(900ms, 10ms);  // 1.2 s after that heartbeat, and 0.7 s after the next one.
   EXPECT_TRUE(told_.empty());
+}
+
+class SilentGatewayTest : public ::testing::Test {
+ protected:
+  class FullLink final : public Link {
+   public:
+    void open(LinkEvents& events) override { events.on_bus_state({BusCondition::error_active, 0, 0}); }
+    void close() override {}
+    SendResult send(const Frame&) override { return SendResult::busy; }
+  };
+
+  SilentGatewayTest() { bus_.start(); }
+  ~SilentGatewayTest() override {
+    const auto stopped = support::spawn(loop_.executor(), bus_.stop());
+    loop_.settle();
+    EXPECT_TRUE(*stopped);
+  }
+
+  support::HandDrivenLoop loop_;
+  Bus bus_{loop_.executor(), std::make_unique<FullLink>(), {.bitrate = 125000, .node_id = 0}};
+};
+
+// Without a heartbeat nothing of ours may leave for hours, and none of it is stuck.
+TEST_F(SilentGatewayTest, WhatWasWithdrawnIsNotStuck) {
+  const Ticket ticket = bus_.send(TransmitClass::sdo, support::frame(0x605), Clock::now() + 500ms);
+  loop_.advance(400ms, 10ms);
+  EXPECT_TRUE(bus_.transmit_signs().unsent_since);
+  loop_.advance(2s, 10ms);
+  EXPECT_FALSE(bus_.transmit_signs().unsent_since);
 }
 
 TEST_F(TransmitWatchTest, ABusThatWentDownHasNone) {
