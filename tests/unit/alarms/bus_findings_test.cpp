@@ -81,14 +81,14 @@ TEST(BusFindings, EachNamesItsLikelyCauseAndTheRemedy) {
 // Alone on its bus a controller is error-passive within milliseconds.
 TEST(BusFindings, ThatNobodyAcknowledgesStandsBeforeTheStateThatFollowsOfIt) {
   for (const BusCondition condition : {BusCondition::warning, BusCondition::passive}) {
-    const BusView view{.state = {.condition = condition},
-                       .troubles = {.transmit = canopen::TransmitTrouble::not_acknowledged}};
+    BusView view{.state = {.condition = condition}};
+    view.troubles.transmit = canopen::TransmitTrouble::not_acknowledged;
     EXPECT_EQ(reasons(view).at(0), "no-acknowledge");
     EXPECT_EQ(reasons(view).size(), 2U);
   }
-  EXPECT_EQ(reasons({.state = {.condition = BusCondition::passive},
-                     .troubles = {.transmit = canopen::TransmitTrouble::stuck}}),
-            (std::vector<std::string>{"passive", "transmit-stuck"}));
+  BusView stuck{.state = {.condition = BusCondition::passive}};
+  stuck.troubles.transmit = canopen::TransmitTrouble::stuck;
+  EXPECT_EQ(reasons(stuck), (std::vector<std::string>{"passive", "transmit-stuck"}));
 }
 
 TEST(BusFindings, ABusThatIsDownComesFirst) {
