@@ -61,7 +61,7 @@ config::Model model_of_two_brokers(const Mosquitto& first, const Mosquitto& seco
 PublisherSettings settings_of_the_homesick(const config::Model& model) {
   PublisherSettings made = publisher_settings(*model.mqtt, model.gateway);
   made.return_after = 1500ms;
-  made.look_interval = 500ms;
+  made.look_interval = 1s;
   made.quiet = 500ms;
   made.stalled = 1500ms;
   return made;
