@@ -93,7 +93,9 @@ TEST_F(AlarmsTest, BootAlarmNamesItsLetterAndReason) {
   EXPECT_EQ(
       alarm.text,
       "C: another device type than expected: 0x1000:00 is 0x00000191, expected 0x00010192. What to do first: look "
-      "whether the planned drive has this node id; if it does, correct identity.device_type or the profile");
+      "whether the planned drive has this node id; if it does, correct identity.device_type or the profile, or, where "
+      "it "
+      "cannot be read, leave it out");
   status_.boot_text.clear();
   come_online();
   EXPECT_FALSE(alarm.active);

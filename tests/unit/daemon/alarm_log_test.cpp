@@ -180,7 +180,7 @@ TEST_F(AlarmLogTest, ABusHasALineForItsStateAndNoneForItsCounters) {
   EXPECT_EQ(lines(), Lines{});
   loop_.advance(300ms);
   bus(BusCondition::bus_off, 255);
-  EXPECT_EQ(told_and_what_to_do(), "bus can0: bus-off: the controller has left the bus");
+  EXPECT_EQ(told_and_what_to_do(), "bus can0: first: bus-off: the controller has left the bus");
   EXPECT_EQ(levels_, (std::vector{spdlog::level::info, spdlog::level::warn, spdlog::level::err}));
   for (int i = 0; i < 4; ++i) {
     bus(BusCondition::error_active);

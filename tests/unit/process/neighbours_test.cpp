@@ -87,13 +87,14 @@ TEST_P(OtherMasterTest, IsARemarkWhereItIsWanted) {
 
 INSTANTIATE_TEST_SUITE_P(
     Signs, OtherMasterTest,
-    testing::Values(
-        Command{"NmtStartToAll", [](Neighbour& plc) { plc.send(0x000, {0x01, 0x00}); },
-                "NMT commands (start to all nodes)"},
-        Command{"NmtStart", [](Neighbour& plc) { plc.send(0x000, {0x01, 0x05}); }, "NMT commands (start to node 5)"},
-        Command{"SdoRead", [](Neighbour& plc) { plc.send(0x605, {0x40, 0x43, 0x60, 0x00, 0, 0, 0, 0}); },
-                "SDO requests (to node 5)"},
-        Command{"Rpdo", [](Neighbour& plc) { plc.send(0x205, {0x06, 0x00, 0x00, 0x00}); }, "RPDOs (to node 5)"}),
+    testing::Values(Command{"NmtStartToAll", [](Neighbour& plc) { plc.send(0x000, {0x01, 0x00}); },
+                            "NMT commands (start to all nodes)"},
+                    Command{"NmtStart", [](Neighbour& plc) { plc.send(0x000, {0x01, 0x05}); },
+                            "NMT commands (start to node 5)"},
+                    Command{"SdoRead", [](Neighbour& plc) { plc.send(0x605, {0x40, 0x43, 0x60, 0x00, 0, 0, 0, 0}); },
+                            "SDO requests (to node 5)"},
+                    Command{"Rpdo", [](Neighbour& plc) { plc.send(0x205, {0x06, 0x00, 0x00, 0x00}); },
+                            "RPDOs (to node 5), unless a TPDO of another drive has that identifier"}),
     [](const auto& parameter) { return parameter.param.name; });
 
 TEST_F(NeighboursTest, ADriveThatAPlcStopsIsToldAndNotStartedAgain) {
