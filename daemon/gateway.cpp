@@ -114,29 +114,34 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
     make_http(executor);
   }
   for (std::size_t i = 0; i < buses_.size(); ++i) {
-    BusInUse& in_use = buses_[i];
-    in_use.state =
-        in_use.bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
-    in_use.timing = in_use.bus->subscribe_timing([bus = &model.buses[i]](const canopen::BitTiming& timing) {
-      spdlog::info("{}: {}", bus->name, describe(timing));
-      for (const std::string& doubt : doubts_about(timing, bus->bitrate)) {
-        spdlog::warn("{}: {}", bus->name, doubt);
-      }
-    });
-    in_use.watch = std::make_unique<canopen::BusWatch>(
-        executor, *in_use.bus, model.buses[i].other_master,
-        canopen::BusWatch::Handlers{
-            .changed = [this, i](const canopen::BusTroubles& troubles) { plant_.set_bus_troubles(i, troubles); },
-            .remark = [name = model.buses[i].name](const std::string& text) { spdlog::info("{}: {}", name, text); }});
-    for (const config::Drive& drive : model.drives) {
-      if (drive.bus == i && drive.enabled) {
-        in_use.watch->watch_commands_to(drive.node);
-      }
-    }
+    follow_bus(executor, i);
   }
 }
 
 Gateway::~Gateway() = default;
+
+void Gateway::follow_bus(const boost::asio::any_io_executor& executor, std::size_t i) {
+  BusInUse& in_use = buses_[i];
+  in_use.state =
+      in_use.bus->subscribe_state([this, i](const canopen::BusState& state) { plant_.set_bus_state(i, state); });
+  in_use.timing = in_use.bus->subscribe_timing([bus = &plant_.model().buses[i]](const canopen::BitTiming& timing) {
+    spdlog::info("{}: {}", bus->name, describe(timing));
+    for (const std::string& doubt : doubts_about(timing, bus->bitrate)) {
+      spdlog::warn("{}: {}", bus->name, doubt);
+    }
+  });
+  in_use.watch = std::make_unique<canopen::BusWatch>(
+      executor, *in_use.bus, plant_.model().buses[i].other_master,
+      canopen::BusWatch::Handlers{
+          .changed = [this, i](const canopen::BusTroubles& troubles) { plant_.set_bus_troubles(i, troubles); },
+          .remark =
+              [name = plant_.model().buses[i].name](const std::string& text) { spdlog::info("{}: {}", name, text); }});
+  for (const config::Drive& drive : plant_.model().drives) {
+    if (drive.bus == i && drive.enabled) {
+      in_use.watch->watch_commands_to(drive.node);
+    }
+  }
+}
 
 void Gateway::make_http(const boost::asio::any_io_executor& executor) {
   plant_.add(tally_);

@@ -70,6 +70,8 @@ class Gateway {
                                           const LinkFactory& make_link);
   [[nodiscard]] http::Site http_site();
   void make_http(const boost::asio::any_io_executor& executor);
+  /// Its state, timing, and who else is on it reach plant and log.
+  void follow_bus(const boost::asio::any_io_executor& executor, std::size_t i);
   static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
 
   std::string instance_;  ///< Of this life of the program.

@@ -159,11 +159,12 @@ void advise_on_rpdos(const DriveDraft& draft) {
     }
     const std::string name = "rpdo" + std::to_string(rpdo.number);
     const std::string lost = pdo_only_signals(draft, {SourceKind::rpdo, rpdo.number});
-    draft.warning(draft.site.place, name + " is never sent, because nothing says what its field " +
-                                        canopen::to_string(unnamed->object) + " is for; " +
-                                        (lost.empty() ? "commands go by SDO"
-                                                      : "what is pdo_only there cannot be commanded at all: " + lost) +
-                                        ". Make a signal of it, or list it in " + name + ".unused");
+    std::string text = name;
+    text.append(" is never sent, because nothing says what its field ").append(canopen::to_string(unnamed->object));
+    text.append(lost.empty() ? " is for; commands go by SDO"
+                             : " is for; what is pdo_only there cannot be commanded at all: ");
+    text.append(lost).append(". Make a signal of it, or list it in ").append(name).append(".unused");
+    draft.warning(draft.site.place, text);
   }
 }
 

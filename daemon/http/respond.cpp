@@ -40,7 +40,7 @@ Answer not_found(std::string_view path) {
   }
   known.insert(known.begin() + 3, std::string(kOneDrive) + "NAME");
   known.emplace(known.begin(), "/");
-  return refusal(404, "there is no " + std::string(beginning(path)), "resources", known);
+  return refusal(404, std::string("there is no ").append(beginning(path)), "resources", known);
 }
 
 // Whoever writes a parameter wants something of it.
