@@ -176,7 +176,7 @@ class FrameBench {
     site_.turn();
     while (bare_.receive() > 0) {
     }
-    const std::uint32_t before = site_.received();
+    const std::uint64_t before = site_.received();
     send_batch();
     unsigned got = 0;
     bare_seconds_.push_back(seconds_of([&] {
