@@ -38,7 +38,7 @@ Answer not_found(std::string_view path) {
   for (const Resource& resource : kResources) {
     known.emplace_back(resource.path);
   }
-  known.insert(known.begin() + 3, std::string(kOneDrive) + "NAME");
+  known.insert(known.begin() + 3, std::string(kOneDrive).append("NAME"));
   known.emplace(known.begin(), "/");
   return refusal(404, std::string("there is no ").append(beginning(path)), "resources", known);
 }
