@@ -137,12 +137,12 @@ class FullBuses {
     bool stopped = false;
     boost::asio::co_spawn(
         loop_,
-        [this]() -> boost::asio::awaitable<void> {
-          co_await plant_->stop();
-          for (const auto& bus : buses_) {
+        [](FullBuses& all) -> boost::asio::awaitable<void> {
+          co_await all.plant_->stop();
+          for (const auto& bus : all.buses_) {
             co_await bus->stop();
           }
-        },
+        }(*this),
         [&](const std::exception_ptr&) { stopped = true; });
     while (!stopped) {
       loop_.poll();

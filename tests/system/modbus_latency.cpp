@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 using Times = std::vector<std::int64_t>;  // in µs
 
 constexpr std::chrono::milliseconds kPause{2};
-constexpr std::uint32_t kPatience = 5;  // seconds
+constexpr std::uint32_t kAnswerWithin = 5;  // seconds
 constexpr std::uint16_t kBarePort = 1599;
 
 volatile std::sig_atomic_t stop = 0;
@@ -37,11 +37,11 @@ bool is_exception(int error) {
   return error > MODBUS_ENOBASE && error <= EMBXGTAR;
 }
 
-class Client {
+class PolledServer {
  public:
-  Client(int port, int unit) : server_(modbus_new_tcp("127.0.0.1", port), &modbus_free) {
+  PolledServer(int port, int unit) : server_(modbus_new_tcp("127.0.0.1", port), &modbus_free) {
     if (!server_ || modbus_set_slave(server_.get(), unit) != 0 || modbus_connect(server_.get()) != 0 ||
-        modbus_set_response_timeout(server_.get(), kPatience, 0) != 0) {
+        modbus_set_response_timeout(server_.get(), kAnswerWithin, 0) != 0) {
       throw std::runtime_error("no connection");
     }
   }
@@ -67,7 +67,7 @@ std::int64_t p99(Times& times) {
   return times.at(times.size() * 99 / 100);
 }
 
-void measure(Client& gateway, Client& bare) {
+void measure(PolledServer& gateway, PolledServer& bare) {
   for (auto due = Clock::now(); stop == 0; due += kPause) {
     // A read that took longer than the pause is followed at once, but none is made up for.
     due = std::max(due, Clock::now() - kPause);
@@ -87,8 +87,8 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, [](int) { stop = 1; });
   try {
     const bench::BareModbusServer server(kBarePort);
-    Client gateway(std::atoi(argv[1]), std::atoi(argv[2]));
-    Client bare(kBarePort, 1);
+    PolledServer gateway(std::atoi(argv[1]), std::atoi(argv[2]));
+    PolledServer bare(kBarePort, 1);
     measure(gateway, bare);
     const std::int64_t ours = p99(gateway.times());
     const std::int64_t ceiling = std::max<std::int64_t>(p99(bare.times()), 1);

@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 
 constexpr canopen::Raw kStop = 5;
 
-config::Model model_with_stop() {
+config::Model model_that_stops() {
   config::Model model = example_model();
   canopen::MotorSigns& motor = model.drives[0].node.motor;
   motor.control = kControlObject;
@@ -27,7 +27,7 @@ config::Model model_with_stop() {
 
 /// Another drive of the same kind that is not on the bus.
 config::Drive absent_drive() {
-  config::Drive drive = model_with_stop().drives[0];
+  config::Drive drive = model_that_stops().drives[0];
   drive.name = "fan1";
   drive.unit = 6;
   drive.node.node = 6;
@@ -61,7 +61,7 @@ class StopForAll : public testing::TestWithParam<std::uint8_t> {
 };
 
 TEST_P(StopForAll, SendsTheFirstStopAndReadsZero) {
-  Site site(model_with_stop());
+  Site site(model_that_stops());
   site.bring_up();
   site.puppet().written.clear();
   EXPECT_EQ(ask(site, "06 0014 0001"), "06 0014 0001");
@@ -74,7 +74,7 @@ TEST_P(StopForAll, SendsTheFirstStopAndReadsZero) {
 }
 
 TEST_P(StopForAll, GoesByTheRpdoWhereThatIsComplete) {
-  Site site(model_with_stop());
+  Site site(model_that_stops());
   site.bring_up();
   EXPECT_EQ(site.ask("10 0064 0002 04 0001 1388"), "10 0064 0002");
   site.puppet().rpdos.clear();
@@ -85,7 +85,7 @@ TEST_P(StopForAll, GoesByTheRpdoWhereThatIsComplete) {
 }
 
 TEST_P(StopForAll, TakesAnyValueButZeroByFunctions6And16Alone) {
-  Site site(model_with_stop());
+  Site site(model_that_stops());
   site.bring_up();
   site.puppet().written.clear();
   EXPECT_EQ(ask(site, "06 0014 0000"), "86 03");
@@ -101,7 +101,7 @@ TEST_P(StopForAll, TakesAnyValueButZeroByFunctions6And16Alone) {
 }
 
 TEST_P(StopForAll, TellsThatADriveDidNotConfirm) {
-  config::Model model = model_with_stop();
+  config::Model model = model_that_stops();
   model.drives.push_back(absent_drive());
   Site site(model);
   site.bring_up();
@@ -119,7 +119,7 @@ TEST_P(StopForAll, TellsThatOfADriveNoStopIsKnown) {
 }
 
 TEST_P(StopForAll, LeavesDrivesAloneThatModbusMayNotCommandOrThatAreOutOfService) {
-  config::Model model = model_with_stop();
+  config::Model model = model_that_stops();
   config::Drive other = absent_drive();
   other.commands.writers = {.modbus = false, .mqtt = true, .local = true};
   model.drives.push_back(other);
@@ -137,7 +137,7 @@ TEST_P(StopForAll, LeavesDrivesAloneThatModbusMayNotCommandOrThatAreOutOfService
 }
 
 TEST_P(StopForAll, NeedsAClientThatMayWrite) {
-  config::Model model = model_with_stop();
+  config::Model model = model_that_stops();
   model.modbus->write_from = {{"192.0.2.0", 24}};
   Site site(model);
   site.bring_up();

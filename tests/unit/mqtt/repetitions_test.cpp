@@ -95,15 +95,15 @@ TEST_F(Repetitions, WaitForTheOutcomeOfTheFirst) {
 TEST_F(Repetitions, BeyondThoseThatMayWaitAreAnsweredAtOnce) {
   site_.puppet().mute = true;
   const std::string payload = R"({"value":30.0,"id":"a1"})";
-  constexpr std::size_t kMany = 1000;
-  for (std::size_t i = 0; i < 1 + kMany; ++i) {
+  constexpr std::size_t kMoreThanWait = 1000;
+  for (std::size_t i = 0; i < 1 + kMoreThanWait; ++i) {
     site_.command("pump1/frequency_command/set", payload);
   }
   EXPECT_TRUE(answers().empty());
   EXPECT_EQ(code_of(ask("pump1/frequency_command/set", payload)), "duplicate");
   EXPECT_EQ(site_.last_answer().find("\"first\""), std::string::npos) << site_.last_answer();
   site_.loop().advance(1s, 10ms);
-  EXPECT_EQ(answers().size(), 1 + 1 + kMany);
+  EXPECT_EQ(answers().size(), 1 + 1 + kMoreThanWait);
 }
 
 TEST_F(Repetitions, AreAnsweredWhereTheyWereAskedInTheirForm) {

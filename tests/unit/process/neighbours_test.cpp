@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint8_t kNeighbour = 5;
 
-std::string site_of(const std::string& profile, const std::string& keys = "") {
+std::string site_with(const std::string& profile, const std::string& keys = "") {
   return "[[drive]]\nname = \"pump1\"\nnode = 5\nprofile = \"" + profile + "\"\n" + keys +
          "[drive.commands]\nwriters = [\"modbus\"]\n";
 }
@@ -33,7 +33,7 @@ class NeighboursTest : public SimulatedBus {
 };
 
 TEST_F(NeighboursTest, APlcWithOurNodeIdIsAnAlarmUntilAMinuteAfterItsLastHeartbeat) {
-  bring_online(site_of("cia402-velocity"), "other_master = true\n");
+  bring_online(site_with("cia402-velocity"), "other_master = true\n");
   neighbour_.send(0x700U + kGateway, {0x05});
   run(500ms);
   EXPECT_TRUE(bus_alarm().active);
@@ -58,7 +58,7 @@ std::ostream& operator<<(std::ostream& out, const Command& command) {
 class OtherMasterTest : public NeighboursTest, public testing::WithParamInterface<Command> {};
 
 TEST_P(OtherMasterTest, IsAnAlarmAndDisturbsNothing) {
-  bring_online(site_of("cia402-velocity"));
+  bring_online(site_with("cia402-velocity"));
   for (int i = 0; i < 20; ++i) {
     GetParam().send(neighbour_);
     run(100ms);
@@ -75,7 +75,7 @@ TEST_P(OtherMasterTest, IsAnAlarmAndDisturbsNothing) {
 }
 
 TEST_P(OtherMasterTest, IsARemarkWhereItIsWanted) {
-  bring_online(site_of("cia402-velocity"), "other_master = true\n");
+  bring_online(site_with("cia402-velocity"), "other_master = true\n");
   for (int i = 0; i < 20; ++i) {
     GetParam().send(neighbour_);
     run(100ms);
@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& parameter) { return parameter.param.name; });
 
 TEST_F(NeighboursTest, ADriveThatAPlcStopsIsToldAndNotStartedAgain) {
-  bring_online(site_of("cia402-velocity"));
+  bring_online(site_with("cia402-velocity"));
   neighbour_.send(0x000, {0x02, kNeighbour});
   run(5s);
   EXPECT_EQ(status().nmt, canopen::NmtState::stopped);
@@ -108,7 +108,7 @@ TEST_F(NeighboursTest, ADriveThatAPlcStopsIsToldAndNotStartedAgain) {
 
 // A master of before has left an entry for our node id in another place, by which the drive would trip.
 TEST_F(NeighboursTest, AnEntryForOurNodeIdInAnotherPlaceOf1016IsUsed) {
-  load(site_of("cia402-velocity", "supervise_gateway = \"2s\"\n"));
+  load(site_with("cia402-velocity", "supervise_gateway = \"2s\"\n"));
   simulator::Drive& simulated = add("cia402-velocity", kNeighbour);
   simulated.power_on();
   neighbour_.send(0x605, {0x23, 0x16, 0x10, 0x02, 0x64, 0x00, kGateway, 0x00});  // 100 ms
@@ -125,7 +125,7 @@ TEST_F(NeighboursTest, AnEntryForOurNodeIdInAnotherPlaceOf1016IsUsed) {
 }
 
 TEST_F(NeighboursTest, ADriveThatHasNeitherHeartbeatNorGuardingIsOnlineByItsTpdos) {
-  load(site_of("invt-goodrive600", "heartbeat = \"0s\"\n"));
+  load(site_with("invt-goodrive600", "heartbeat = \"0s\"\n"));
   simulator::Drive& simulated = add("invt-goodrive600", kNeighbour);
   simulated.misbehaviour().absent = {{0x1017, std::nullopt}, {0x100C, std::nullopt}, {0x100D, std::nullopt}};
   simulated.misbehaviour().heartbeat_stopped = true;
