@@ -12,20 +12,6 @@
 namespace journal {
 namespace {
 
-std::string_view name_of(process::Writer::Way way) {
-  switch (way) {
-    case process::Writer::Way::modbus:
-      return "modbus";
-    case process::Writer::Way::mqtt:
-      return "mqtt";
-    case process::Writer::Way::gateway:
-      return "gateway";
-    case process::Writer::Way::local:
-      break;
-  }
-  return "local";
-}
-
 void append_field(std::string& out, const config::Signal& signal, const process::FieldRecord& field) {
   out += "{\"signal\":";
   append_text(out, signal.name);

@@ -1,12 +1,10 @@
 #include "bridges/modbus/connections.h"
 
 #include <algorithm>
-#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
-#include <exception>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -33,32 +31,31 @@ constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
 
 }  // namespace
 
-Connections::Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units,
+Connections::Connections(const boost::asio::any_io_executor& executor, const config::Modbus& settings, Units& units,
                          net::Notices notices)
-    : executor_(std::move(executor)),
+    : tasks_(executor),
       settings_(settings),
       readers_(settings.read_from, "[modbus] read_from"),
       writers_(settings.write_from, "[modbus] write_from"),
       units_(units),
       log_("Modbus", std::move(notices)),
       owner_{.take = [this](tcp::socket socket, bool last) { take(std::move(socket), last); },
-             .spawn = [this](awaitable<void> work) { spawn(std::move(work)); },
+             .spawn = [this](awaitable<void> work) { tasks_.spawn(std::move(work)); },
              .log = log_},
-      housekeeping_(executor_),
-      all_ended_(executor_) {
+      housekeeping_(executor) {
   for (const config::Endpoint& entry : settings.listen) {
-    listeners_.emplace_back(executor_, entry, owner_);
+    listeners_.emplace_back(executor, entry, owner_);
   }
 }
 
 void Connections::start(std::span<const int> passed) {
-  PassedSockets sockets(executor_, passed, log_);
+  PassedSockets sockets(housekeeping_.get_executor(), passed, log_);
   for (net::Listener& listener : listeners_) {
     const std::optional<tcp::endpoint> at = listener.numeric();
     listener.start(at ? sockets.take(*at) : std::nullopt);
   }
   sockets.close_rest();
-  spawn(keep_house());
+  tasks_.spawn(keep_house());
 }
 
 void Connections::close() {
@@ -74,31 +71,11 @@ void Connections::close() {
 
 awaitable<void> Connections::stop() {
   close();
-  while (running_ != 0) {
-    error_code ignored;
-    all_ended_.expires_at(canopen::TimePoint::max());
-    co_await all_ended_.async_wait(redirect_error(use_awaitable, ignored));
-  }
+  co_await tasks_.all_ended();
 }
 
 std::uint16_t Connections::port(std::size_t listen_index) const {
   return std::next(listeners_.begin(), static_cast<std::ptrdiff_t>(listen_index))->port();
-}
-
-void Connections::spawn(awaitable<void> work) {
-  ++running_;
-  boost::asio::co_spawn(executor_, std::move(work), [this](const std::exception_ptr& failure) {
-    on_end();
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
-  });
-}
-
-void Connections::on_end() {
-  if (--running_ == 0) {
-    all_ended_.cancel();
-  }
 }
 
 void Connections::take(tcp::socket socket, bool last) {
@@ -156,16 +133,11 @@ void Connections::serve(tcp::socket socket, const boost::asio::ip::address& addr
                                        answers_, counts_);
   log_.info(client->address(), client->may_write() ? "connected" : "connected, may read only");
   units_.gateway().set_clients(clients_.size());
-  ++running_;
-  boost::asio::co_spawn(executor_, client->serve(), [this, client](const std::exception_ptr& failure) {
+  tasks_.spawn(client->serve(), [this, client] {
     tell_end(*client);
     client->close("served");
     clients_.erase(client);
     units_.gateway().set_clients(clients_.size());
-    on_end();
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
   });
 }
 

@@ -15,6 +15,7 @@
 #include "bridges/net/access_list.h"
 #include "bridges/net/connection_log.h"
 #include "bridges/net/listener.h"
+#include "bridges/net/tasks.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
@@ -24,7 +25,7 @@ namespace modbus {
 class Connections {
  public:
   /// `units` outlives the connections. Throws std::runtime_error for address ranges that are none.
-  Connections(boost::asio::any_io_executor executor, const config::Modbus& settings, Units& units,
+  Connections(const boost::asio::any_io_executor& executor, const config::Modbus& settings, Units& units,
               net::Notices notices);
 
   /// `passed`: descriptors of listening sockets, which are owned from here on.
@@ -47,10 +48,8 @@ class Connections {
   void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
   void tell_end(const Client& client);
   boost::asio::awaitable<void> keep_house();
-  void spawn(boost::asio::awaitable<void> work);
-  void on_end();
 
-  boost::asio::any_io_executor executor_;
+  net::Tasks tasks_;
   const config::Modbus& settings_;
   net::AccessList readers_;
   net::AccessList writers_;
@@ -62,8 +61,6 @@ class Connections {
   net::Listener::Owner owner_;
   std::list<net::Listener> listeners_;  ///< One for each entry of `listen`, in its order.
   canopen::Timer housekeeping_;
-  canopen::Timer all_ended_;
-  std::size_t running_ = 0;  ///< Coroutines.
   std::uint64_t refused_ = 0;
   bool stopping_ = false;
 };

@@ -6,12 +6,20 @@
 
 namespace mqtt {
 
-std::optional<std::string> password_of(const std::string& path) {
+std::string read_password(const std::string& path, std::string& password) {
+  if (path.empty()) {
+    return {};
+  }
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
   line.resize(std::min(line.find('\r'), line.size()));
-  return line.empty() ? std::nullopt : std::optional(std::move(line));
+  if (line.empty()) {
+    return "password_file " + path +
+           " cannot be read, or begins with an empty line; give it a first line, readable for the gateway's user";
+  }
+  password = std::move(line);
+  return {};
 }
 
 }  // namespace mqtt

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 namespace mqtt {
 
-/// The first line of a file; nothing: it cannot be read, or begins with an empty line.
-[[nodiscard]] std::optional<std::string> password_of(const std::string& path);
+/// Puts the first line of password_file `path` into `password`; without a path nothing. Returns what is wrong with the
+/// file, and the remedy; else nothing. To be read at each connection: it may be changed meanwhile.
+[[nodiscard]] std::string read_password(const std::string& path, std::string& password);
 
 }  // namespace mqtt

@@ -121,16 +121,10 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
     line_.begin();
   }
   ClientSettings settings = settings_.client;
-  if (!settings_.password_file.empty()) {
-    std::optional<std::string> password = password_of(settings_.password_file);
-    if (!password) {
-      return Refusal{.why = "password_file " + settings_.password_file +
-                            " cannot be read, or begins with an empty line; give it a first line, readable for the "
-                            "gateway's user"};
-    }
-    settings.password = std::move(*password);
+  std::string mistake = read_password(settings_.password_file, settings.password);
+  if (mistake.empty() && broker.tls) {
+    mistake = tls_files_mistake(settings.tls);
   }
-  std::string mistake = broker.tls ? tls_files_mistake(settings.tls) : std::string();
   if (!mistake.empty()) {
     return Refusal{.why = std::move(mistake)};
   }

@@ -55,8 +55,8 @@ void Publisher::begin_look(Homecoming::Step step) {
   }
   (void)look_.start([resolver = settings_.resolver, first, client = settings_.client, version = settings_.version,
                      file = settings_.password_file]() mutable {
-    if (!file.empty()) {
-      client.password = password_of(file).value_or(std::string());
+    if (std::string mistake = read_password(file, client.password); !mistake.empty()) {
+      return Reach{.why = std::move(mistake)};
     }
     return takes_us(first, resolver(first), client, version, kTrialPatience);
   });

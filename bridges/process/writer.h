@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace process {
 
@@ -17,6 +18,8 @@ struct Writer {
   friend bool operator==(const Writer& a, const Writer& b) noexcept { return a.way == b.way && a.address == b.address; }
 };
 
+/// `modbus`, `mqtt`, `local`, `gateway`
+[[nodiscard]] std::string_view name_of(Writer::Way way) noexcept;
 /// `modbus 192.0.2.7`, `mqtt`, `local root`, `gateway`
 [[nodiscard]] std::string to_string(const Writer& writer);
 

@@ -2,13 +2,11 @@
 
 #include <array>
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/system/error_code.hpp>
-#include <exception>
 #include <utility>
 
 #include "daemon/control/answer.h"
@@ -25,7 +23,7 @@ Connection::Connection(stream_protocol::socket socket, std::string user, const S
     : socket_(std::move(socket)),
       user_(std::move(user)),
       service_(service),
-      all_ended_(socket_.get_executor()),
+      tasks_(socket_.get_executor()),
       active_(canopen::Clock::now()) {}
 
 canopen::TimePoint Connection::idle_since() const noexcept {
@@ -46,11 +44,7 @@ void Connection::close() {
 
 awaitable<void> Connection::serve() {
   co_await read_lines();
-  while (running_ != 0) {
-    error_code ignored;
-    all_ended_.expires_at(canopen::TimePoint::max());
-    co_await all_ended_.async_wait(redirect_error(use_awaitable, ignored));
-  }
+  co_await tasks_.all_ended();
   close();
 }
 
@@ -116,7 +110,7 @@ void Connection::begin(std::string_view text) {
     return;
   }
   ++under_way_;
-  spawn(carry_out(
+  tasks_.spawn(carry_out(
       {.request = std::move(line.request.value()), .id = std::move(line.id), .user = user_, .received = read_at_}));
 }
 
@@ -136,7 +130,7 @@ void Connection::send(std::string_view answer) {
   }
   waiting_.append(answer) += '\n';
   if (!std::exchange(writing_, true)) {
-    spawn(write_answers());
+    tasks_.spawn(write_answers());
   }
 }
 
@@ -153,18 +147,6 @@ awaitable<void> Connection::write_answers() {
     }
   }
   writing_ = false;
-}
-
-void Connection::spawn(awaitable<void> work) {
-  ++running_;
-  boost::asio::co_spawn(socket_.get_executor(), std::move(work), [this](const std::exception_ptr& failure) {
-    if (--running_ == 0) {
-      all_ended_.cancel();
-    }
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
-  });
 }
 
 }  // namespace gateway::control

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "bridges/net/tasks.h"
 #include "canopen/clock.h"
 #include "daemon/control/service.h"
 
@@ -42,7 +43,6 @@ class Connection {
   boost::asio::awaitable<void> carry_out(Asked asked);
   void send(std::string_view answer);
   boost::asio::awaitable<void> write_answers();
-  void spawn(boost::asio::awaitable<void> work);
 
   boost::asio::local::stream_protocol::socket socket_;
   std::string user_;
@@ -53,8 +53,7 @@ class Connection {
   std::size_t leaving_ = 0;  ///< Bytes of answers that are being written.
   bool writing_ = false;
   std::size_t under_way_ = 0;  ///< Requests.
-  std::size_t running_ = 0;    ///< Coroutines but serve().
-  canopen::Timer all_ended_;
+  net::Tasks tasks_;           ///< All that runs but serve().
   canopen::TimePoint active_;
   canopen::TimePoint read_at_{};  ///< When the bytes at hand came.
 };

@@ -36,18 +36,4 @@ void CommandTally::on_alarm(const process::Drive& /*drive*/, alarms::AlarmKind /
 
 void CommandTally::on_bus(std::size_t /*bus*/) {}
 
-std::string_view name_of(process::Writer::Way way) noexcept {
-  switch (way) {
-    case process::Writer::Way::modbus:
-      return "modbus";
-    case process::Writer::Way::mqtt:
-      return "mqtt";
-    case process::Writer::Way::gateway:
-      return "gateway";
-    case process::Writer::Way::local:
-      break;
-  }
-  return "local";
-}
-
 }  // namespace gateway::http

@@ -49,7 +49,4 @@ class CommandTally final : public process::Observer {
   Tallies tallies_;
 };
 
-/// `modbus`, `mqtt`, `local`, `gateway`
-[[nodiscard]] std::string_view name_of(process::Writer::Way way) noexcept;
-
 }  // namespace gateway::http

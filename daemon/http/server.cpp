@@ -1,12 +1,10 @@
 #include "daemon/http/server.h"
 
 #include <algorithm>
-#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
-#include <exception>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -28,9 +26,9 @@ constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
 
 }  // namespace
 
-Server::Server(boost::asio::any_io_executor executor, const config::Http& settings, Respond respond, LiveSource live,
-               net::Notices notices)
-    : executor_(std::move(executor)),
+Server::Server(const boost::asio::any_io_executor& executor, const config::Http& settings, Respond respond,
+               LiveSource live, net::Notices notices)
+    : tasks_(executor),
       readers_(settings.read_from, "[http] read_from"),
       log_("HTTP", std::move(notices)),
       shared_{.respond = std::move(respond),
@@ -40,15 +38,14 @@ Server::Server(boost::asio::any_io_executor executor, const config::Http& settin
               .answered = [this](unsigned status) { ++figures_.answers[status]; },
               .warn = [this](std::string_view address, std::string_view what) { log_.warn(address, what); }},
       owner_{.take = [this](tcp::socket socket, bool last) { take(std::move(socket), last); },
-             .spawn = [this](awaitable<void> work) { spawn(std::move(work)); },
+             .spawn = [this](awaitable<void> work) { tasks_.spawn(std::move(work)); },
              .log = log_},
-      listener_(executor_, settings.listen, owner_),
-      housekeeping_(executor_),
-      all_ended_(executor_) {}
+      listener_(executor, settings.listen, owner_),
+      housekeeping_(executor) {}
 
 void Server::start() {
   listener_.start(std::nullopt);
-  spawn(keep_house());
+  tasks_.spawn(keep_house());
 }
 
 void Server::close() {
@@ -62,11 +59,7 @@ void Server::close() {
 
 awaitable<void> Server::stop() {
   close();
-  while (running_ != 0) {
-    error_code ignored;
-    all_ended_.expires_at(canopen::TimePoint::max());
-    co_await all_ended_.async_wait(redirect_error(use_awaitable, ignored));
-  }
+  co_await tasks_.all_ended();
 }
 
 const HttpFigures& Server::figures() {
@@ -125,15 +118,10 @@ bool Server::may_stream(const boost::asio::ip::address& address) const {
 void Server::serve(tcp::socket socket, const boost::asio::ip::address& address) {
   const auto client = clients_.emplace(clients_.end(), std::move(socket), address, shared_);
   log_.info(client->address(), "connected");
-  ++running_;
-  boost::asio::co_spawn(executor_, client->serve(), [this, client](const std::exception_ptr& failure) {
+  tasks_.spawn(client->serve(), [this, client] {
     log_.info(client->address(), client->ended() == nullptr ? "has left" : client->ended());
     client->close("served");
     clients_.erase(client);
-    on_end();
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
   });
 }
 
@@ -147,22 +135,6 @@ awaitable<void> Server::keep_house() {
     error_code ignored;
     housekeeping_.expires_after(kHousekeeping);
     co_await housekeeping_.async_wait(redirect_error(use_awaitable, ignored));
-  }
-}
-
-void Server::spawn(awaitable<void> work) {
-  ++running_;
-  boost::asio::co_spawn(executor_, std::move(work), [this](const std::exception_ptr& failure) {
-    on_end();
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
-  });
-}
-
-void Server::on_end() {
-  if (--running_ == 0) {
-    all_ended_.cancel();
   }
 }
 

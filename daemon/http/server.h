@@ -11,6 +11,7 @@
 #include "bridges/net/access_list.h"
 #include "bridges/net/connection_log.h"
 #include "bridges/net/listener.h"
+#include "bridges/net/tasks.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 #include "daemon/http/connection.h"
@@ -32,7 +33,7 @@ class Server {
   using Respond = std::function<Answer(const Request&)>;
 
   /// `settings` outlives the server. Throws std::runtime_error for address ranges that are none.
-  Server(boost::asio::any_io_executor executor, const config::Http& settings, Respond respond, LiveSource live,
+  Server(const boost::asio::any_io_executor& executor, const config::Http& settings, Respond respond, LiveSource live,
          net::Notices notices);
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -53,10 +54,8 @@ class Server {
   [[nodiscard]] bool may_stream(const boost::asio::ip::address& address) const;
   void serve(boost::asio::ip::tcp::socket socket, const boost::asio::ip::address& address);
   boost::asio::awaitable<void> keep_house();
-  void spawn(boost::asio::awaitable<void> work);
-  void on_end();
 
-  boost::asio::any_io_executor executor_;
+  net::Tasks tasks_;
   net::AccessList readers_;
   net::ConnectionLog log_;
   Shared shared_;
@@ -64,9 +63,7 @@ class Server {
   net::Listener::Owner owner_;
   net::Listener listener_;
   canopen::Timer housekeeping_;
-  canopen::Timer all_ended_;
   HttpFigures figures_;
-  std::size_t running_ = 0;  ///< Coroutines.
   bool stopping_ = false;
 };
 

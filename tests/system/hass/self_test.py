@@ -116,17 +116,17 @@ def shows():
          {"sensor_f": None, "sensor_s": "unknown"}),
         (TOPIC, "", {"sensor_s": None, "button_stop": None}),
     ]
-    for now, (topic, payload, expected) in enumerate(steps):
-        home.message(topic, payload, now)
-        shown = home.states(now)
+    for second, (topic, payload, expected) in enumerate(steps):
+        home.message(topic, payload, second)
+        shown = home.states(second)
         for key, value in expected.items():
             if shown.get("pump1 " + key) != value:
                 yield f"behind {topic} {payload[:40]}: {key} shows {shown.get('pump1 ' + key)}, not {value}"
     home.message(TOPIC, json.dumps(GOOD), 10)
     home.message(state, '{"values":{"f":1.5}}', 10)
-    for now, value in ((100, "1.5"), (101, "unavailable")):
-        if home.states(now)["pump1 sensor_f"] != value:
-            yield f"{now - 10} s behind its last message it shows {home.states(now)['pump1 sensor_f']}"
+    for second, value in ((100, "1.5"), (101, "unavailable")):
+        if home.states(second)["pump1 sensor_f"] != value:
+            yield f"{second - 10} s behind its last message it shows {home.states(second)['pump1 sensor_f']}"
     sent = [home.command("pump1", *each) for each in (("select_m", "stop"), ("button_stop", None), ("number_c", "30"))]
     if sent != [("canopen/line3/pump1/m/set", 0, '{"value": "stop"}'), ("canopen/line3/pump1/m/set", 1, '{"value":"stop"}'),
                 ("canopen/line3/pump1/c/set", 0, "30")]:

@@ -5,19 +5,14 @@
 #include <boost/json/array.hpp>
 #include <boost/json/object.hpp>
 #include <boost/json/parse.hpp>
-#include <memory>
 #include <regex>
 #include <string>
 #include <vector>
 
-#include "canopen/bus/virtual_link.h"
 #include "daemon/control/status_table.h"
-#include "daemon/gateway.h"
-#include "simulator/drive.h"
-#include "simulator/network.h"
-#include "tests/support/hand_driven_loop.h"
 #include "tests/support/spawn.h"
 #include "tests/unit/daemon/demo_model.h"
+#include "tests/unit/daemon/demo_plant.h"
 
 namespace gateway::control {
 namespace {
@@ -40,24 +35,10 @@ config::Model commanded_model() {
   return model;
 }
 
-class ControlPlant : public testing::Test {
+class ControlPlant : public gateway::test::DemoPlant {
  protected:
-  ControlPlant() {
-    for (const config::Drive& drive : model_.drives) {
-      drives_.push_back(simulator::make_drive(drive.profile, drive.node.node, network_, {}));
-    }
-    gateway_.start();
-    network_.open();
-    for (const auto& drive : drives_) {
-      drive->power_on();
-    }
-    EXPECT_TRUE(loop_.advance_until([this] { return gateway_.plant().online() == drives_.size(); }, 10s));
-    loop_.advance(2s);
-  }
-  ~ControlPlant() override {
-    const auto stopped = support::spawn(loop_.executor(), gateway_.stop());
-    EXPECT_TRUE(loop_.advance_until([&] { return *stopped; }, 5s));
-  }
+  ControlPlant() : DemoPlant(commanded_model()) { begin_plant(); }
+  ~ControlPlant() override { end_plant(); }
 
   // The answer, but for the name of the command, which is in command_.
   std::string ask(const std::string& text) {
@@ -92,12 +73,6 @@ class ControlPlant : public testing::Test {
   }
   bool is_stop(const std::string& text) { return service_.is_stop(parse_line(text).request.value()); }
 
-  support::HandDrivenLoop loop_;
-  config::Model model_ = commanded_model();
-  canopen::VirtualBus wire_{loop_.executor()};
-  simulator::Network network_{loop_.executor(), wire_.connect()};
-  std::vector<std::unique_ptr<simulator::Drive>> drives_;
-  Gateway gateway_{loop_.executor(), model_, [this](const config::Bus&) { return wire_.connect(); }};
   Service service_ = plant_service(gateway_.plant());
   std::string command_;
 };

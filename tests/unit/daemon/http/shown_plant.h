@@ -4,23 +4,17 @@
 
 #include <boost/json/parse.hpp>
 #include <deque>
-#include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "bridges/process/command.h"
-#include "canopen/bus/virtual_link.h"
-#include "daemon/gateway.h"
 #include "daemon/http/history.h"
 #include "daemon/http/live.h"
 #include "daemon/http/respond.h"
 #include "daemon/map.h"
-#include "simulator/drive.h"
-#include "simulator/network.h"
-#include "tests/support/hand_driven_loop.h"
 #include "tests/support/spawn.h"
 #include "tests/unit/daemon/demo_model.h"
+#include "tests/unit/daemon/demo_plant.h"
 
 namespace gateway::http::test {
 
@@ -36,26 +30,14 @@ inline config::Model shown_model() {
 }
 
 /// The demo's drives, and what HTTP shows of them.
-class ShownPlant : public testing::Test {
+class ShownPlant : public gateway::test::DemoPlant {
  protected:
-  ShownPlant() {
-    for (const config::Drive& drive : model_.drives) {
-      drives_.push_back(simulator::make_drive(drive.profile, drive.node.node, network_, {}));
-    }
+  ShownPlant() : DemoPlant(shown_model()) {
     gateway_.plant().add(tally_);
     gateway_.plant().add(live_);
-    gateway_.start();
-    network_.open();
-    for (const auto& drive : drives_) {
-      drive->power_on();
-    }
-    EXPECT_TRUE(loop_.advance_until([this] { return gateway_.plant().online() == drives_.size(); }, 10s));
-    loop_.advance(2s);
+    begin_plant();
   }
-  ~ShownPlant() override {
-    const auto stopped = support::spawn(loop_.executor(), gateway_.stop());
-    EXPECT_TRUE(loop_.advance_until([&] { return *stopped; }, 5s));
-  }
+  ~ShownPlant() override { end_plant(); }
 
   Answer begin(std::string_view target) {
     return respond({.target = std::get<Target>(parse_target(target)), .host = "localhost"}, site_);
@@ -82,13 +64,7 @@ class ShownPlant : public testing::Test {
     return outcome.get();
   }
 
-  support::HandDrivenLoop loop_;
-  config::Model model_ = shown_model();
-  canopen::VirtualBus wire_{loop_.executor()};
-  simulator::Network network_{loop_.executor(), wire_.connect()};
-  std::vector<std::unique_ptr<simulator::Drive>> drives_;
   CommandTally tally_;
-  Gateway gateway_{loop_.executor(), model_, [this](const config::Bus&) { return wire_.connect(); }};
   std::deque<std::string> journal_;
   Live live_{gateway_.plant()};
   History history_{loop_.executor(), gateway_.plant()};
