@@ -23,7 +23,7 @@ class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
 
  private:
   void on_frames(std::span<const canopen::Received> frames) override { events_->on_frames(frames); }
-  void on_echo(const canopen::Frame& frame, canopen::TimePoint at) override { events_->on_echo(frame, at); }
+  void on_echo(const canopen::Received& sent) override { events_->on_echo(sent); }
   void on_bus_state(const canopen::BusState& state) override {
     if (std::exchange(told_, state.condition) != state.condition) {
       out_ << name_ << ": " << canopen::describe(state.condition) << std::endl;
@@ -31,7 +31,9 @@ class AnnouncedLink final : public canopen::Link, private canopen::LinkEvents {
     events_->on_bus_state(state);
   }
   void on_frames_lost(std::uint32_t count) override { events_->on_frames_lost(count); }
-  void on_error_frame(canopen::ErrorSign sign) override { events_->on_error_frame(sign); }
+  void on_error_frame(const canopen::Received& error, canopen::ErrorSign sign) override {
+    events_->on_error_frame(error, sign);
+  }
   void on_bit_timing(const canopen::BitTiming& timing) override { events_->on_bit_timing(timing); }
 
   std::unique_ptr<canopen::Link> link_;

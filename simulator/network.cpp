@@ -106,9 +106,9 @@ void Network::on_frames(std::span<const canopen::Received> frames) {
   }
 }
 
-void Network::on_echo(const canopen::Frame& frame, canopen::TimePoint /*at*/) {
+void Network::on_echo(const canopen::Received& sent) {
   // Drives on one link hear one another, as on a cable.
-  hand_out(frame);
+  hand_out(sent.frame);
   flush();
 }
 

@@ -55,7 +55,7 @@ class Network final : public canopen::LinkEvents {
   static constexpr canopen::Duration kRetry = std::chrono::milliseconds(1);
 
   void on_frames(std::span<const canopen::Received> frames) override;
-  void on_echo(const canopen::Frame& frame, canopen::TimePoint at) override;
+  void on_echo(const canopen::Received& sent) override;
   void on_bus_state(const canopen::BusState& state) override;
   void on_frames_lost(std::uint32_t count) override;
 

@@ -61,6 +61,11 @@ Subscription Bus::subscribe_timing(TimingHandler handler) {
   return Subscription([this, id] { timing_handlers_.remove(id); });
 }
 
+Subscription Bus::add_tap(FrameTap& tap) {
+  taps_.push_back(&tap);
+  return Subscription([this, &tap] { std::erase(taps_, &tap); });
+}
+
 Ticket Bus::send(TransmitClass transmit_class, const Frame& frame, TimePoint until, Ticket::Told told) {
   Ticket ticket = queue_.push(transmit_class, frame, until, std::move(told), Clock::now());
   if (ticket) {
@@ -91,6 +96,7 @@ void Bus::on_frames(std::span<const Received> frames) {
     return;  // They are from before, and say nothing of the bus that is to come.
   }
   for (const Received& received : frames) {
+    show_taps(received, FrameOrigin::others);
     ++statistics_.frames_received;
     errors_.add(false);
     load_.add(received.frame, received.at);
@@ -104,18 +110,19 @@ void Bus::on_frames(std::span<const Received> frames) {
   }
 }
 
-void Bus::on_echo(const Frame& frame, TimePoint at) {
+void Bus::on_echo(const Received& sent) {
   if (!state_.up()) {
     return;
   }
+  show_taps(sent, FrameOrigin::ourselves);
   ++statistics_.frames_sent;
   errors_.add(false);
-  load_.add(frame, at);
+  load_.add(sent.frame, sent.at);
   if (link_->echoes_prove_departure()) {
     ack_error_at_.reset();  // Somebody has acknowledged it.
-    silent_since_ = std::max(silent_since_, at);
+    silent_since_ = std::max(silent_since_, sent.at);
   }
-  queue_.on_echo(frame, at);
+  queue_.on_echo(sent.frame, sent.at);
   service();
 }
 
@@ -135,7 +142,8 @@ void Bus::on_bus_state(const BusState& state) {
   state_handlers_.call(state);
 }
 
-void Bus::on_error_frame(ErrorSign sign) {
+void Bus::on_error_frame(const Received& error, ErrorSign sign) {
+  show_taps(error, FrameOrigin::driver);
   errors_.add(true);
   if (sign == ErrorSign::not_acknowledged) {
     ack_error_at_ = Clock::now();
@@ -168,10 +176,19 @@ void Bus::go_down() {
 }
 
 void Bus::on_frames_lost(std::uint32_t count) {
+  for (FrameTap* const tap : taps_) {
+    tap->on_frames_lost(count);
+  }
   statistics_.frames_lost += count;
   queue_.on_frames_lost();
   service();
   loss_handlers_.call(count);
+}
+
+void Bus::show_taps(const Received& frame, FrameOrigin origin) {
+  for (FrameTap* const tap : taps_) {
+    tap->on_frame(frame, origin);
+  }
 }
 
 void Bus::service() {

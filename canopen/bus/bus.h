@@ -8,12 +8,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "canopen/bus/bus_load.h"
 #include "canopen/bus/bus_state.h"
 #include "canopen/bus/cyclic_producer.h"
 #include "canopen/bus/dispatch.h"
 #include "canopen/bus/error_share.h"
+#include "canopen/bus/frame_tap.h"
 #include "canopen/bus/handler_list.h"
 #include "canopen/bus/link.h"
 #include "canopen/bus/subscription.h"
@@ -58,6 +60,8 @@ class Bus final : private LinkEvents {
   [[nodiscard]] Subscription subscribe_state(StateHandler handler);
   [[nodiscard]] Subscription subscribe_losses(LossHandler handler);
   [[nodiscard]] Subscription subscribe_timing(TimingHandler handler);
+  /// `tap` sees every frame until the subscription ends.
+  [[nodiscard]] Subscription add_tap(FrameTap& tap);
 
   /// Queues a frame that is to be with the kernel before `until`. `told` is called once, possibly from inside, and must
   /// not call the bus. The frame belongs to the ticket, which must go before the bus.
@@ -87,14 +91,15 @@ class Bus final : private LinkEvents {
   friend class Transmission;
 
   void on_frames(std::span<const Received> frames) override;
-  void on_echo(const Frame& frame, TimePoint at) override;
+  void on_echo(const Received& sent) override;
   void on_bus_state(const BusState& state) override;
   void on_frames_lost(std::uint32_t count) override;
-  void on_error_frame(ErrorSign sign) override;
+  void on_error_frame(const Received& error, ErrorSign sign) override;
   void on_bit_timing(const BitTiming& timing) override;
 
   void come_up();
   void go_down();
+  void show_taps(const Received& frame, FrameOrigin origin);
   /// Lets the queue do what is due, and sees to it that this is called again in time.
   void service();
   [[nodiscard]] bool has_heartbeat() const noexcept;
@@ -116,6 +121,7 @@ class Bus final : private LinkEvents {
   HandlerList<const BusState&> state_handlers_;
   HandlerList<std::uint32_t> loss_handlers_;
   HandlerList<const BitTiming&> timing_handlers_;
+  std::vector<FrameTap*> taps_;
   TransmitQueue queue_;
   WakeUp wake_up_;
   Ticket heartbeat_ticket_;

@@ -28,15 +28,15 @@ class LinkEvents {
  public:
   /// Frames of other nodes, in order of reception. Error frames are not among them (see on_bus_state).
   virtual void on_frames(std::span<const Received> frames) = 0;
-  /// Our own frame came back: it has left on the bus (an interface without IFF_ECHO echoes on hand-over).
-  virtual void on_echo(const Frame& frame, TimePoint at) = 0;
+  /// Our own frame came back: it has left on the bus (an interface without IFF_ECHO echoes on hand-over), then.
+  virtual void on_echo(const Received& sent) = 0;
   /// Frames and echoes that come while the bus is not up are from before, and to be ignored.
   virtual void on_bus_state(const BusState& state) = 0;
   /// `count` received frames were dropped before we read them (SO_RXQ_OVFL).
   virtual void on_frames_lost(std::uint32_t count) = 0;
   /// The driver told of an error: a change of the error state, an overrun, a bus-off or the end of one, a frame that
   /// nobody acknowledged.
-  virtual void on_error_frame(ErrorSign /*sign*/) {}
+  virtual void on_error_frame(const Received& /*error*/, ErrorSign /*sign*/) {}
   /// What the controller is set up with: when it is first known, and when it changed.
   virtual void on_bit_timing(const BitTiming& /*timing*/) {}
 

@@ -169,7 +169,7 @@ void VirtualBus::deliver_one(const Pending& pending) {
     if (link != pending.sender) {
       link->events()->on_frames({&received, 1});
     } else if (!withhold_echoes_) {
-      link->events()->on_echo(pending.frame, now);
+      link->events()->on_echo(received);
     }
   }
   delivering_ = false;

@@ -59,7 +59,7 @@ class FedLink final : public canopen::Link {
     const canopen::WallTime wall = canopen::wall_now();
     batch_.clear();
     for (const canopen::Frame& frame : std::exchange(sent_, {})) {
-      events_->on_echo(frame, now);
+      events_->on_echo({frame, now, {}});
       if (frame.id > 0x600 && frame.id < 0x680) {
         batch_.push_back({refusal(frame), now, wall});
       }

@@ -24,7 +24,7 @@ class Listener final : public canopen::LinkEvents {
       heard.push_back(received.frame);
     }
   }
-  void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

@@ -54,7 +54,7 @@ class LaggingLink final : public canopen::Link, private canopen::LinkEvents {
     waiting_.insert(waiting_.end(), frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(kept));
     lost_ += static_cast<std::uint32_t>(frames.size() - kept);
   }
-  void on_echo(const canopen::Frame& frame, canopen::TimePoint at) override { events_->on_echo(frame, at); }
+  void on_echo(const canopen::Received& sent) override { events_->on_echo(sent); }
   void on_bus_state(const canopen::BusState& state) override { events_->on_bus_state(state); }
   void on_frames_lost(std::uint32_t count) override { events_->on_frames_lost(count); }
 

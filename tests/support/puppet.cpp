@@ -112,7 +112,7 @@ void Puppet::on_sdo(const canopen::Frame& frame) {
   }
 }
 
-void Puppet::on_echo(const canopen::Frame& /*frame*/, canopen::TimePoint /*at*/) {}
+void Puppet::on_echo(const canopen::Received&) {}
 void Puppet::on_bus_state(const canopen::BusState& /*state*/) {}
 void Puppet::on_frames_lost(std::uint32_t /*count*/) {}
 

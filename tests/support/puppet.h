@@ -37,7 +37,7 @@ class Puppet final : public canopen::LinkEvents {
   std::vector<std::uint8_t> nmt_commands;
 
   void on_frames(std::span<const canopen::Received> frames) override;
-  void on_echo(const canopen::Frame& frame, canopen::TimePoint at) override;
+  void on_echo(const canopen::Received& sent) override;
   void on_bus_state(const canopen::BusState& state) override;
   void on_frames_lost(std::uint32_t count) override;
 

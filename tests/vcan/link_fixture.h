@@ -94,10 +94,10 @@ class Recorder final : public canopen::LinkEvents {
       when_received();
     }
   }
-  void on_echo(const canopen::Frame& frame, canopen::TimePoint) override { echoes.push_back(frame); }
+  void on_echo(const canopen::Received& sent) override { echoes.push_back(sent.frame); }
   void on_bus_state(const canopen::BusState& state) override { states.push_back(state); }
   void on_frames_lost(std::uint32_t count) override { lost += count; }
-  void on_error_frame(canopen::ErrorSign sign) override { error_signs.push_back(sign); }
+  void on_error_frame(const canopen::Received&, canopen::ErrorSign sign) override { error_signs.push_back(sign); }
 
   [[nodiscard]] bool is(canopen::BusCondition condition) const {
     return !states.empty() && states.back().condition == condition;

@@ -66,7 +66,7 @@ class SocketCanLink final : public Link {
   [[nodiscard]] bool receive();
   void deliver(std::size_t count);
   void count_losses(std::optional<std::uint32_t> dropped);
-  void on_error_frame(const Frame& frame);
+  void on_error_frame(const Received& error);
 
   boost::asio::any_io_executor executor_;
   std::string name_;
@@ -278,9 +278,9 @@ void SocketCanLink::deliver(std::size_t count) {
       return;
     }
     if (item.frame.error) {
-      on_error_frame(item.frame);
+      on_error_frame({item.frame, at, item.wall});
     } else if (item.echo) {
-      events_->on_echo(item.frame, at);
+      events_->on_echo({item.frame, at, item.wall});
     } else {
       received_[collected++] = {item.frame, at, item.wall};
     }
@@ -299,9 +299,11 @@ void SocketCanLink::count_losses(std::optional<std::uint32_t> dropped) {
   events_->on_frames_lost(lost);
 }
 
-void SocketCanLink::on_error_frame(const Frame& frame) {
+void SocketCanLink::on_error_frame(const Received& error) {
   look_again_.arm_no_later_than(Clock::now() + kLookAgain);
-  events_->on_error_frame(socketcan::tells_no_acknowledge(frame) ? ErrorSign::not_acknowledged : ErrorSign::other);
+  const Frame& frame = error.frame;
+  const bool alone = socketcan::tells_no_acknowledge(frame);
+  events_->on_error_frame(error, alone ? ErrorSign::not_acknowledged : ErrorSign::other);
   if (socketcan::tells_overrun(frame)) {
     events_->on_frames_lost(1);
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "tests/support/bus_fixture.h"
@@ -127,6 +128,42 @@ TEST_F(BusTest, LossesAreCountedAndTold) {
   EXPECT_EQ(bus.statistics().frames_lost, 65537U);
 }
 
+// Who wants to know what was on the bus sees it all, and before anybody acted on it.
+TEST_F(BusTest, ATapSeesEveryFrameInOrder) {
+  struct Tap final : FrameTap {
+    void on_frame(const Received& seen, FrameOrigin origin) override {
+      frames.emplace_back(seen.frame.id, origin);
+      times.push_back(seen.at);
+    }
+    void on_frames_lost(std::uint32_t count) override { lost += count; }
+    std::vector<std::pair<std::uint32_t, FrameOrigin>> frames;
+    std::vector<TimePoint> times;
+    std::uint32_t lost = 0;
+  };
+  LinkEvents* events = nullptr;
+  Bus bus(loop.executor(), std::make_unique<HandLink>(events), kQuiet);
+  bus.start();
+  events->on_bus_state({BusCondition::error_active, 0, 0});
+  Tap tap;
+  std::size_t seen_before = 0;
+  const Subscription handler = bus.subscribe(0x705, [&](const Received&) { seen_before = tap.frames.size(); });
+  {
+    const Subscription tapped = bus.add_tap(tap);
+    const Received of_others{frame(0x705, 5), Clock::now(), wall_now()};
+    events->on_echo({frame(0x605), Clock::now(), wall_now()});
+    events->on_frames({&of_others, 1});
+    events->on_error_frame({frame(0x004), Clock::now(), wall_now()}, ErrorSign::other);
+    events->on_frames_lost(3);
+    EXPECT_EQ(seen_before, 2U);
+  }
+  events->on_echo({frame(0x606), Clock::now(), wall_now()});
+  using enum FrameOrigin;
+  EXPECT_EQ(tap.frames,
+            (std::vector<std::pair<std::uint32_t, FrameOrigin>>{{0x605, ourselves}, {0x705, others}, {0x004, driver}}));
+  EXPECT_EQ(tap.times, std::vector<TimePoint>(3, Clock::now()));
+  EXPECT_EQ(tap.lost, 3U);
+}
+
 // A socket tells that its interface went down before the frames that waited in it.
 TEST_F(BusTest, FramesAndEchoesFromBeforeDownAreIgnored) {
   LinkEvents* events = nullptr;
@@ -137,7 +174,7 @@ TEST_F(BusTest, FramesAndEchoesFromBeforeDownAreIgnored) {
   const auto receive = [&] {
     const Received received{frame(0x705, 5), Clock::now(), wall_now()};
     events->on_frames({&received, 1});
-    events->on_echo(frame(0x605), Clock::now());
+    events->on_echo({frame(0x605), Clock::now(), {}});
   };
   for (const BusCondition condition : {BusCondition::down, BusCondition::bus_off}) {
     events->on_bus_state({condition, 0, 0});

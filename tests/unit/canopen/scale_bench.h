@@ -40,7 +40,7 @@ class HeartbeatEar final : public LinkEvents {
  public:
   explicit HeartbeatEar(VirtualBus& bus) : link_(bus.connect()) { link_->open(*this); }
   void on_frames(std::span<const Received> frames) override;
-  void on_echo(const Frame&, TimePoint) override {}
+  void on_echo(const Received&) override {}
   void on_bus_state(const BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

@@ -37,7 +37,7 @@ class ScaleDrive final : public LinkEvents {
   [[nodiscard]] std::size_t rpdos() const noexcept { return rpdos_; }
 
   void on_frames(std::span<const Received> frames) override;
-  void on_echo(const Frame&, TimePoint) override {}
+  void on_echo(const Received&) override {}
   void on_bus_state(const BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

@@ -59,7 +59,7 @@ class FaultyNode final : private LinkEvents {
  private:
   struct Nobody final : LinkEvents {
     void on_frames(std::span<const Received>) override {}
-    void on_echo(const Frame&, TimePoint) override {}
+    void on_echo(const Received&) override {}
     void on_bus_state(const BusState&) override {}
     void on_frames_lost(std::uint32_t) override {}
   };
@@ -71,7 +71,7 @@ class FaultyNode final : private LinkEvents {
       }
     }
   }
-  void on_echo(const Frame&, TimePoint) override {}
+  void on_echo(const Received&) override {}
   void on_bus_state(const BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 
@@ -226,7 +226,7 @@ class SdoFaultBench {
  private:
   struct Nobody final : LinkEvents {
     void on_frames(std::span<const Received>) override {}
-    void on_echo(const Frame&, TimePoint) override {}
+    void on_echo(const Received&) override {}
     void on_bus_state(const BusState&) override {}
     void on_frames_lost(std::uint32_t) override {}
   };

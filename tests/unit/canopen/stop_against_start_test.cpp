@@ -250,7 +250,7 @@ class PromptNodeTest : public NodeLifeBench, private LinkEvents {
       }
     }
   }
-  void on_echo(const Frame&, TimePoint) override {}
+  void on_echo(const Received&) override {}
   void on_bus_state(const BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

@@ -113,7 +113,7 @@ class TransmitWatchTest : public ::testing::Test {
   void echo() {
     if (handed_over_ > 0) {
       handed_over_ = 0;
-      events_->on_echo(last_, Clock::now());
+      events_->on_echo({last_, Clock::now(), {}});
     }
   }
   void hear() {
@@ -174,7 +174,7 @@ TEST_F(TransmitWatchTest, SoAreFramesThatGetNoEcho) {
 
 TEST_F(TransmitWatchTest, NobodyAcknowledgesUntilSomebodyIsHeard) {
   for (int i = 0; i < 20; ++i) {
-    events_->on_error_frame(ErrorSign::not_acknowledged);
+    events_->on_error_frame({}, ErrorSign::not_acknowledged);
     loop_.advance(100ms, 10ms);
   }
   EXPECT_EQ(now(), TransmitTrouble::not_acknowledged);
@@ -188,7 +188,7 @@ TEST_F(TransmitWatchTest, NobodyAcknowledgesUntilSomebodyIsHeard) {
 // and goes.
 TEST_F(TransmitWatchTest, AFrameThatHasLeftWasAcknowledged) {
   for (int i = 0; i < 20; ++i) {
-    events_->on_error_frame(ErrorSign::not_acknowledged);
+    events_->on_error_frame({}, ErrorSign::not_acknowledged);
     loop_.advance(100ms, 10ms);
   }
   ASSERT_EQ(now(), TransmitTrouble::not_acknowledged);
@@ -204,7 +204,7 @@ TEST_F(TransmitWatchTest, AFrameThatHasLeftWasAcknowledged) {
 
 TEST_F(TransmitWatchTest, ASingleAckErrorOnAQuietBusIsNone) {
   live(2s, true, false);
-  events_->on_error_frame(ErrorSign::not_acknowledged);
+  events_->on_error_frame({}, ErrorSign::not_acknowledged);
   live(5s, true, false);
   EXPECT_TRUE(told_.empty());
 }
@@ -212,7 +212,7 @@ TEST_F(TransmitWatchTest, ASingleAckErrorOnAQuietBusIsNone) {
 TEST_F(TransmitWatchTest, AnEchoOfAnAdapterThatOnlyTookTheFrameIsNoAcknowledgement) {
   proves_departure_ = false;
   for (int i = 0; i < 20; ++i) {
-    events_->on_error_frame(ErrorSign::not_acknowledged);
+    events_->on_error_frame({}, ErrorSign::not_acknowledged);
     loop_.advance(100ms, 10ms);
     echo();
   }
@@ -222,7 +222,7 @@ TEST_F(TransmitWatchTest, AnEchoOfAnAdapterThatOnlyTookTheFrameIsNoAcknowledgeme
 
 TEST_F(TransmitWatchTest, OtherErrorFramesAreNoSignOfIt) {
   for (int i = 0; i < 20; ++i) {
-    events_->on_error_frame(ErrorSign::other);
+    events_->on_error_frame({}, ErrorSign::other);
     loop_.advance(100ms, 10ms);
     echo();
   }
@@ -233,7 +233,7 @@ TEST_F(TransmitWatchTest, OtherErrorFramesAreNoSignOfIt) {
 TEST_F(TransmitWatchTest, AStallOfTheProcessIsNone) {
   live(2s, true, true);
   heard_until_ = Clock::now();
-  events_->on_error_frame(ErrorSign::not_acknowledged);
+  events_->on_error_frame({}, ErrorSign::not_acknowledged);
   loop_.advance(5s, 10ms);
   EXPECT_TRUE(told_.empty());
 }

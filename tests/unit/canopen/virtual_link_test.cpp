@@ -24,7 +24,7 @@ class Plug final : public LinkEvents {
       }
     }
   }
-  void on_echo(const Frame& frame, TimePoint) override { echoes.push_back(frame); }
+  void on_echo(const Received& sent) override { echoes.push_back(sent.frame); }
   void on_bus_state(const BusState& state) override { states.push_back(state.condition); }
   void on_frames_lost(std::uint32_t) override {}
 

@@ -28,7 +28,7 @@ class Station final : public LinkEvents {
       at.push_back(received.at);
     }
   }
-  void on_echo(const Frame& frame, TimePoint when) override { echoes.emplace_back(frame, when); }
+  void on_echo(const Received& sent) override { echoes.emplace_back(sent.frame, sent.at); }
   void on_bus_state(const BusState& state) override { states.push_back(state.condition); }
   void on_frames_lost(std::uint32_t) override {}
   [[nodiscard]] SendResult send(const Frame& frame) { return link->send(frame); }

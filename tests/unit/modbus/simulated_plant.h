@@ -75,7 +75,7 @@ class SimulatedPlant final : public canopen::LinkEvents {
   void forget() { heard_.clear(); }
 
   void on_frames(std::span<const canopen::Received> frames) override;
-  void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

@@ -40,7 +40,7 @@ class RequestCounter final : private canopen::LinkEvents {
     requests_ += static_cast<int>(
         std::count_if(frames.begin(), frames.end(), [](const auto& received) { return received.frame.remote; }));
   }
-  void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 
@@ -139,7 +139,7 @@ class ErrorControlTest : public testing::Test {
       static_cast<void>(link->send(canopen::make_frame(id, std::span(bytes.begin(), bytes.size()))));
     }
     void on_frames(std::span<const canopen::Received>) override {}
-    void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+    void on_echo(const canopen::Received&) override {}
     void on_bus_state(const canopen::BusState&) override {}
     void on_frames_lost(std::uint32_t) override {}
     std::unique_ptr<canopen::Link> link;

@@ -251,7 +251,7 @@ class LifeGuardedTest : public ProfileTest {
 
   struct Deaf final : canopen::LinkEvents {
     void on_frames(std::span<const canopen::Received>) override {}
-    void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+    void on_echo(const canopen::Received&) override {}
     void on_bus_state(const canopen::BusState&) override {}
     void on_frames_lost(std::uint32_t) override {}
   };

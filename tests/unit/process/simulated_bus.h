@@ -43,7 +43,7 @@ class Neighbour final : private canopen::LinkEvents {
 
  private:
   void on_frames(std::span<const canopen::Received> frames) override;
-  void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

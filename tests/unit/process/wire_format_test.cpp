@@ -158,7 +158,7 @@ class SdoWire final : private canopen::LinkEvents {
       }
     }
   }
-  void on_echo(const canopen::Frame&, canopen::TimePoint) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 

@@ -116,7 +116,7 @@ class Bench : public canopen::LinkEvents {
       heard.push_back(received.frame);
     }
   }
-  void on_echo(const canopen::Frame& /*frame*/, canopen::TimePoint /*at*/) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState& /*state*/) override {}
   void on_frames_lost(std::uint32_t /*count*/) override {}
 
