@@ -100,7 +100,21 @@ say "TLS, with an expiry that nobody has set"
 recipe mosquitto-tls
 recipe_do mosquitto-tls Certificates
 "$root/scripts/test-ca" "$work/certificates" client dashboard
-sed -i '/^expiry/d' "$site/etc/canopen-gateway/gateway.toml"
+# Somebody listens in on the way to the broker, and for comparison where nothing is encrypted.
+listen_in() { # listen_in PORT TO
+  launch "listens$1" "$root/tests/system/listen_in.py" "$1" "$2" "$work/heard$1"
+  wait_until 15 "somebody listens in" grep -q listens "$work/listens$1.out"
+}
+# heard PORT OPTIONS…: what tshark reads of it
+heard() {
+  local port=$1
+  shift
+  text2pcap -q -D -T "50000,$port" "$work/heard$port" "$work/heard$port.pcap" 2>/dev/null
+  tshark -r "$work/heard$port.pcap" -d "tcp.port==$port,$([ "$port" = 8884 ] && echo tls || echo mqtt)" "$@" 2>/dev/null
+}
+listen_in 8884 8883
+listen_in 1884 1883
+sed -i -e '/^expiry/d' -e 's/:8883/:8884/' "$site/etc/canopen-gateway/gateway.toml"
 ended gateway
 ended mosquitto
 recipe_broker mosquitto plant.conf plant-tls.conf
@@ -108,7 +122,13 @@ listens
 watch_status
 recipe_gateway
 wait_until 15 "the gateway is online by TLS" is_retained status online
-expect "the broker that it names" broker.plant.example:8883 "$(field health .broker)"
+expect "the broker that it names" broker.plant.example:8884 "$(field health .broker)"
+expect "the name that the broker is asked for (SNI)" broker.plant.example \
+  "$(heard 8884 -Y tls.handshake.extensions_server_name -T fields -e tls.handshake.extensions_server_name | sort -u)"
+expect_match "records of TLS that carry messages" '^[0-9]{2,}$' "$(heard 8884 -Y tls.app_data | wc -l)"
+expect "who listens in reads of topics" 0 "$(heard 8884 -Y "frame contains \"$topics\"" | wc -l)"
+as service change-me-4 mosquitto_sub -p 1884 -t "$topics/status" -C 1 -W 5 >/dev/null
+expect_match "and without TLS" '^[1-9]' "$(heard 1884 -Y "frame contains \"$topics\"" | wc -l)"
 expect "what does not fit the times of the pages" "" \
   "$("$root/tests/system/recipe_topics.py" times "$expiry" "$(told_expiry)" 2>&1)"
 tls() {
