@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,6 +17,10 @@ namespace gateway {
 
 /// `check`: findings, then `ok: …` on standard output.
 [[nodiscard]] int check(const Options& options);
+
+/// `doctor`: what on this machine would keep the gateway from working; looks only, and sends nothing on a bus. Listens
+/// on each for `listening`.
+[[nodiscard]] int examine(const Options& options, std::chrono::milliseconds listening);
 
 /// `map`: every signal with its object, Modbus address and topics, in one of the formats of map.h.
 [[nodiscard]] int show_map(const Options& options, const std::string& format);

@@ -51,12 +51,25 @@ std::string check_event_timer(const std::string& text) {
   return parse_event_timer(text) ? std::string{} : "\"" + text + "\" is no time of whole milliseconds, 0s..65535ms";
 }
 
+std::optional<std::chrono::milliseconds> parse_listening(const std::string& text) {
+  const std::optional<canopen::Duration> time = config::parse_duration(text);
+  if (!time || *time <= canopen::Duration::zero() || *time > std::chrono::minutes(1)) {
+    return std::nullopt;
+  }
+  return std::chrono::ceil<std::chrono::milliseconds>(*time);
+}
+
+std::string check_listening(const std::string& text) {
+  return parse_listening(text) ? std::string{} : "\"" + text + "\" is no time of up to 60s";
+}
+
 struct CommandLine {
   gateway::Options options;
   std::string map_format = "table";
   std::string interface;
   std::vector<std::string> drives;
   std::string tpdo;
+  std::string listening = "3s";
   std::filesystem::path control;
   std::string drive;
   std::vector<std::string> assignments;
@@ -131,6 +144,10 @@ void describe(CLI::App& app, CommandLine& line) {
 
   app.add_subcommand("run", "The daemon, in the foreground");
   app.add_subcommand("check", "Validate the configuration and every profile it names");
+  CLI::App* const doctor = app.add_subcommand("doctor", "What on this machine would keep the gateway from working");
+  doctor->add_option("--listen", line.listening, "How long to listen on each bus, up to 60s")
+      ->check(CLI::Validator(check_listening, "DURATION"))
+      ->capture_default_str();
   CLI::App* const map = app.add_subcommand("map", "Every signal with its object, Modbus address and MQTT topics");
   map->add_option("--format", line.map_format, "table, json, csv or markdown")
       ->check(CLI::IsMember({"table", "json", "csv", "markdown"}))
@@ -157,6 +174,9 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
   }
   if (app.got_subcommand("check")) {
     return gateway::check(line.options);
+  }
+  if (app.got_subcommand("doctor")) {
+    return gateway::examine(line.options, parse_listening(line.listening).value());
   }
   if (app.got_subcommand("map")) {
     return gateway::show_map(line.options, line.map_format);

@@ -1,0 +1,170 @@
+#include "daemon/doctor/files.h"
+
+#include <fmt/format.h>
+#include <grp.h>
+#include <pwd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "canopen/bus/socketcan/descriptor.h"
+#include "daemon/control/accounts.h"
+
+namespace gateway::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+using canopen::socketcan::Descriptor;
+using Use = Wanted::Use;
+
+int mode_of(Use use) noexcept {
+  switch (use) {
+    case Use::read:
+      return R_OK;
+    case Use::search:
+      return R_OK | X_OK;
+    case Use::keep:
+      break;
+  }
+  return R_OK | W_OK | X_OK;
+}
+
+std::vector<int> try_each(const std::vector<Wanted>& wanted) {
+  std::vector<int> errors;
+  errors.reserve(wanted.size());
+  for (const Wanted& each : wanted) {
+    errors.push_back(::access(each.path.c_str(), mode_of(each.use)) == 0 ? 0 : errno);
+  }
+  return errors;
+}
+
+bool become(const passwd& user) {
+  return ::initgroups(user.pw_name, user.pw_gid) == 0 && ::setgid(user.pw_gid) == 0 && ::setuid(user.pw_uid) == 0;
+}
+
+// access(2) asks for the real user, and who has given up root does not get it back: so a child does it.
+std::vector<int> try_as(const passwd& user, const std::vector<Wanted>& wanted) {
+  std::array<int, 2> ends{};
+  if (::pipe(ends.data()) != 0) {
+    return {};
+  }
+  const Descriptor from(ends[0]);
+  Descriptor to(ends[1]);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::vector<int> errors;
+    if (become(user)) {
+      errors = try_each(wanted);
+    }
+    const std::size_t size = errors.size() * sizeof(int);
+    ::_exit(::write(to.get(), errors.data(), size) == static_cast<ssize_t>(size) ? 0 : 1);
+  }
+  to = Descriptor();
+  std::vector<int> errors(wanted.size());
+  std::size_t got = 0;
+  while (child > 0 && got < errors.size() * sizeof(int)) {
+    const ssize_t count =
+        ::read(from.get(), reinterpret_cast<char*>(errors.data()) + got, errors.size() * sizeof(int) - got);
+    if (count <= 0) {
+      break;
+    }
+    got += static_cast<std::size_t>(count);
+  }
+  if (child > 0) {
+    ::waitpid(child, nullptr, 0);
+  }
+  errors.resize(got / sizeof(int));
+  return errors;
+}
+
+std::string remedy(const Wanted& wanted, int error, const std::string& user) {
+  const std::string path = wanted.path.string();
+  if (error == ENOENT) {
+    return wanted.use == Use::keep
+               ? fmt::format("`install -d -m 750 -o {} -g {} {}`; the unit of systemd does it", user, user, path)
+               : "put it there, or name the right one";
+  }
+  if (error == EROFS) {
+    return "choose a place on a file system that can be written";
+  }
+  if (wanted.use == Use::keep) {
+    return fmt::format("`chown {} {}`, and let that user through all directories above it", user, path);
+  }
+  return fmt::format("`chgrp {} {}` and `chmod g+r{} {}`, and let that user through all directories above it", user,
+                     path, wanted.use == Use::search ? "x" : "", path);
+}
+
+void add_profiles(std::vector<Wanted>& wanted, const fs::path& directory) {
+  std::error_code failed;
+  if (!fs::is_directory(directory, failed)) {
+    return;  // Each of them may be missing.
+  }
+  wanted.push_back({directory, Use::search});
+  for (fs::directory_iterator each(directory, failed), end; !failed && each != end; each.increment(failed)) {
+    if (each->path().extension() == ".toml") {
+      wanted.push_back({each->path(), Use::read});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Wanted> wanted_files(const config::Model& model, const fs::path& config,
+                                 const std::vector<fs::path>& profile_dirs) {
+  std::vector<Wanted> wanted{{config, Use::read}};
+  for (const fs::path& directory : profile_dirs) {
+    add_profiles(wanted, directory);
+  }
+  if (!model.gateway.state_dir.empty()) {
+    wanted.push_back({model.gateway.state_dir, Use::keep});
+  }
+  if (model.mqtt) {
+    for (const std::string& file :
+         {model.mqtt->password_file, model.mqtt->ca_file, model.mqtt->cert_file, model.mqtt->key_file}) {
+      if (!file.empty()) {
+        wanted.push_back({file, Use::read});
+      }
+    }
+  }
+  return wanted;
+}
+
+FileFacts try_files(const std::vector<Wanted>& wanted) {
+  const passwd* const user = ::geteuid() == 0 ? ::getpwnam(kServiceUser) : nullptr;  // NOLINT(concurrency-mt-unsafe)
+  if (user != nullptr) {
+    return {.user = kServiceUser, .is_service_user = true, .errors = try_as(*user, wanted)};
+  }
+  const std::string name = control::name_of_user(::geteuid());
+  return {.user = name, .is_service_user = name == kServiceUser, .errors = try_each(wanted)};
+}
+
+Lines judge(const std::vector<Wanted>& wanted, const FileFacts& facts) {
+  Lines lines;
+  if (facts.errors.size() != wanted.size()) {
+    return {{Verdict::warning, "files", fmt::format("what {} may could not be tried", facts.user),
+             "run this as root outside of a sandbox"}};
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const int error = facts.errors[i];
+    if (error != 0) {
+      lines.push_back({Verdict::error, "file " + wanted[i].path.string(),
+                       fmt::format("{} may not {} it: {}", facts.user, wanted[i].use == Use::keep ? "write to" : "read",
+                                   std::generic_category().message(error)),
+                       remedy(wanted[i], error, facts.is_service_user ? facts.user : std::string(kServiceUser))});
+    }
+  }
+  if (!facts.is_service_user) {
+    lines.push_back(
+        {Verdict::warning, "files",
+         fmt::format("they were tried as {}, not as the service's user {}", facts.user, kServiceUser),
+         "run this as root on a machine with that user (the package makes it; systemd/ has its sysusers file)"});
+  } else if (lines.empty()) {
+    lines.push_back({Verdict::ok, "files", fmt::format("{} may use all {}", facts.user, wanted.size())});
+  }
+  return lines;
+}
+
+}  // namespace gateway::doctor
