@@ -65,7 +65,9 @@ const SectionOf<PdoKeys>& pdo_section() {
        Field("cob_id", &PdoKeys::cob_id, cob_id(), "`0x185` or `\"$NODEID+0x180\"`.").unset("predefined for 1..4"),
        Field("communication", setting(&PdoSettings::communication), policy(),
              "COB-ID, type and times: made so, only compared, or taken for granted."),
-       Field("mapping", setting(&PdoSettings::mapping_policy), policy(), "The same for the mapping."),
+       Field(
+           "mapping", setting(&PdoSettings::mapping_policy), policy(),
+           "The same for the mapping. One that is to be made so, and that the drive does not have, is boot letter J."),
        Field("transmission_type", setting(&PdoSettings::transmission_type), integer(0, 255), "Sub-index 2.")
            .unset("as the drive has it"),
        Field("inhibit_time", &PdoKeys::inhibit_time, duration({.min = seconds(0), .max = kLongest16}),
