@@ -24,8 +24,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What is another one each time: stamps, ages, loads, ids of commands, hashes, temporary files.
 ALWAYS_VARYING = [
     r"\d{4}-\d\d-\d\d(?:T\d\d:\d\d:\d\d\.\d+Z?|\.jsonl)",
-    r"\d+\.\d+ s\b",
-    r"load \d+\.\d+ %",
+    r"\d+(?:\.\d+)? s\b",
+    r"load \d+(?:\.\d+)? %",
     r"in \d+ ms|after \d+ ms",
     r"\b[0-9A-F]{8}-\d+\b",
     r"\b[0-9a-f]{64}\b",
