@@ -37,7 +37,7 @@ class Plant:
         return process
 
     def program(self, *arguments):
-        config = ["--config", self.config] if self.config.exists() else []
+        config = [] if "--config" in arguments or not self.config.exists() else ["--config", self.config]
         return [self.gateway, "--profile-dir", self.root / "config/profiles", *config, *arguments]
 
     def wait(self, what, ready, seconds=20):
@@ -123,16 +123,15 @@ class SocketCan(Plant):
     def begin(self, orders):
         self.control = self.work / "control"
         text = self.config.read_text()
-        self.config.write_text(
-            text.replace("[gateway]\n", f'[gateway]\ncontrol = "{self.control}"\nstate_dir = "{self.work}/state"\n', 1)
-        )
+        places = f'[gateway]\ncontrol = "{self.control}"\nstate_dir = "{self.work}/state"\n'
+        (self.work / "run.toml").write_text(text.replace("[gateway]\n", places, 1))
         if self.trace is None:
             self.trace = self.work / "candump"
             subprocess.run(["ip", "link", "add", "can0", "type", "vcan"], check=True)
             subprocess.run(["ip", "link", "set", "can0", "txqueuelen", "1000", "up"], check=True)
             with open(self.trace, "wb") as trace:
                 self.candump = subprocess.Popen(["candump", "can0"], stdout=trace)
-        self.launch(self.program("run"), self.work / "run.out", self.log)
+        self.launch(self.program("run", "--config", self.work / "run.toml"), self.work / "run.out", self.log)
         self.wait("the gateway runs", self.control.exists)
         self.launch(self.program("simulate"), self.out, self.work / "simulate.err", stdin=orders)
         self.wait("the drives are there", lambda: "simulated" in self.out.read_text())
