@@ -156,7 +156,7 @@ def try_pages(kind, names):
 
 def look_at_texts():
     found = list(pages.mistakes(ROOT))
-    for page in pages.all_pages(ROOT):
+    for page in [ROOT / "README.md", *pages.all_pages(ROOT)]:
         if page.parent.name != "recipes":  # these have tests of their own
             strict = page.stem in pages.MANUAL or page.parent.name == "commissioning"
             list(pages.steps(page, str(page.relative_to(ROOT)), strict))

@@ -104,6 +104,7 @@ class Plant:
         return text.replace(f"{self.name}-demo", self.name) if self.name else text
 
     def meant(self, command):
+        command = re.sub(r" --control /tmp/canopen-gateway\.\w+/control", "", command)  # the wrapper says it
         return command.replace(f"canopen/{self.name}/", f"canopen/{self.name}-demo/") if self.name else command
 
 
