@@ -216,7 +216,7 @@ const SectionOf<SignalKeys>& signal_section() {
            "Of `control_command`: momentary raw values that act by their rising edge alone, so that an RPDO may repeat "
            "them: fault reset."),
        Field("address", &Self::address, integer(0, 65535), "Modbus address, of a bit for booleans.")
-           .unset("by name, see below"),
+           .unset("by its name"),
        Field("as", &Self::as_float, choice<bool>({{"raw", false}, {"float", true}}),
              "`float`: two registers with the engineering value."),
        Field("poll", plain(&Signal::poll), duration({.min = milliseconds(10), .max = minutes(60)}),
