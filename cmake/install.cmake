@@ -6,7 +6,8 @@ install(DIRECTORY config/profiles/ DESTINATION ${CMAKE_INSTALL_DATADIR}/canopen-
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES config/gateway.example.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
 install(FILES systemd/80-can.network DESTINATION ${CMAKE_INSTALL_DOCDIR}/systemd)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING PATTERN "*.md")
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING
+  PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
 
 file(READ systemd/canopen-gateway.service unit)
 string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_FULL_BINDIR}/" unit "${unit}")

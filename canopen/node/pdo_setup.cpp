@@ -105,7 +105,7 @@ class PdoSetup {
         parameters_.push_back(item);
       } else if (found.has_error() && is_absent(found.error())) {
         if (item.object.sub == kPdoEventTimer && relies_on_timer(pdo_)) {
-          co_return without_object();
+          co_return without_timer();
         }
         timing_known_ = timing_known_ && item.object.sub == kPdoInhibitTime;
       } else if (found.has_error()) {
@@ -115,16 +115,23 @@ class PdoSetup {
     co_return std::nullopt;
   }
 
-  /// The documented default is taken for granted, but for a timer that a person relies on to end what was commanded.
+  /// The documented default is taken for granted, but for a timer that a person relies on to end what was commanded,
+  /// and a layout that is to be written because there is none to rely on: a PDO that means something else may fit in
+  /// length.
   [[nodiscard]] Failure without_object() const {
-    if (!relies_on_timer(pdo_)) {
-      return std::nullopt;
+    if (pdo_.mapping_policy == SetupPolicy::write) {
+      return lacking({mapping_, 0},
+                     " mapping: the drive does not have it, so what this PDO holds is not known; where the "
+                     "manual tells it, `mapping = \"assume\"`");
     }
-    const ObjectAddress timer{communication_, kPdoEventTimer};
-    return BootFailure{BootResult::not_configured,
-                       to_string(timer) + " " + name_ +
-                           " event timer: the drive does not have it, so it would not notice that commands cease",
-                       false};
+    return relies_on_timer(pdo_) ? without_timer() : std::nullopt;
+  }
+  [[nodiscard]] Failure without_timer() const {
+    return lacking({communication_, kPdoEventTimer},
+                   " event timer: the drive does not have it, so it would not notice that commands cease");
+  }
+  [[nodiscard]] Failure lacking(ObjectAddress object, const char* what) const {
+    return BootFailure{BootResult::not_configured, to_string(object) + " " + name_ + what, false};
   }
 
   boost::asio::awaitable<Failure> compare_mapping() {
@@ -132,7 +139,7 @@ class PdoSetup {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
       if (found.has_error()) {
         absent_ = item.object.sub == 0 && is_absent(found.error());
-        co_return absent_ ? std::nullopt : Failure(session_.failure(found.error(), item.name));
+        co_return absent_ ? without_object() : Failure(session_.failure(found.error(), item.name));
       }
       if (found.value() != item.wanted) {
         note(pdo_.mapping_policy, item, found.value());

@@ -65,7 +65,9 @@ const SectionOf<PdoKeys>& pdo_section() {
        Field("cob_id", &PdoKeys::cob_id, cob_id(), "`0x185` or `\"$NODEID+0x180\"`.").unset("predefined for 1..4"),
        Field("communication", setting(&PdoSettings::communication), policy(),
              "COB-ID, type and times: made so, only compared, or taken for granted."),
-       Field("mapping", setting(&PdoSettings::mapping_policy), policy(), "The same for the mapping."),
+       Field(
+           "mapping", setting(&PdoSettings::mapping_policy), policy(),
+           "The same for the mapping. One that is to be made so, and that the drive does not have, is boot letter J."),
        Field("transmission_type", setting(&PdoSettings::transmission_type), integer(0, 255), "Sub-index 2.")
            .unset("as the drive has it"),
        Field("inhibit_time", &PdoKeys::inhibit_time, duration({.min = seconds(0), .max = kLongest16}),
@@ -214,7 +216,7 @@ const SectionOf<SignalKeys>& signal_section() {
            "Of `control_command`: momentary raw values that act by their rising edge alone, so that an RPDO may repeat "
            "them: fault reset."),
        Field("address", &Self::address, integer(0, 65535), "Modbus address, of a bit for booleans.")
-           .unset("by name, see below"),
+           .unset("by its name"),
        Field("as", &Self::as_float, choice<bool>({{"raw", false}, {"float", true}}),
              "`float`: two registers with the engineering value."),
        Field("poll", plain(&Signal::poll), duration({.min = milliseconds(10), .max = minutes(60)}),

@@ -113,12 +113,14 @@ TEST_F(PdoSetupTest, SubZeroThatTheDriveClearsItselfIsNoFailure) {
 }
 
 TEST_F(PdoSetupTest, AbsentPdoObjectsMeanTheDocumentedDefault) {
-  install(bench_settings());
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
+  install(settings);
   for (std::uint8_t sub = 0; sub <= 5; ++sub) {
     slave_.remove({0x1800, sub});
     slave_.remove({0x1A00, sub});
   }
-  boot(bench_settings());
+  boot(settings);
   EXPECT_TRUE(status().online);
   EXPECT_FALSE(node_->tpdo_verified(1));
   ASSERT_EQ(events_.remarks.size(), 1U);
@@ -126,11 +128,36 @@ TEST_F(PdoSetupTest, AbsentPdoObjectsMeanTheDocumentedDefault) {
   EXPECT_TRUE(slave_.writes().empty());
 }
 
-TEST_F(PdoSetupTest, AbsentMappingLeavesTheRestWritten) {
+// A layout is written where no default is known. Without the object the drive may send and take anything else.
+TEST_F(PdoSetupTest, ALayoutThatIsToBeWrittenIsNeverTakenForGranted) {
+  for (const std::uint16_t mapping : {std::uint16_t{0x1A00}, std::uint16_t{0x1600}}) {
+    SCOPED_TRACE(mapping);
+    install(bench_settings());
+    slave_.remove({mapping, 0});
+    boot(bench_settings());
+    expect_letter(BootResult::not_configured,
+                  "mapping: the drive does not have it, so what this PDO holds is not known");
+    slave_.set({mapping, 0}, DataType::u8, 0);
+  }
+}
+
+TEST_F(PdoSetupTest, NorIsItWithoutTheWholePdo) {
   install(bench_settings());
+  for (std::uint8_t sub = 0; sub <= 5; ++sub) {
+    slave_.remove({0x1800, sub});
+    slave_.remove({0x1A00, sub});
+  }
+  boot(bench_settings());
+  expect_letter(BootResult::not_configured, "0x1A00:00 TPDO1 mapping: the drive does not have it");
+}
+
+TEST_F(PdoSetupTest, AbsentMappingLeavesTheRestWritten) {
+  NodeSettings settings = bench_settings();
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
+  install(settings);
   slave_.remove({0x1A00, 0});
   slave_.set({0x1800, 2}, DataType::u8, 1);
-  boot(bench_settings());
+  boot(settings);
   EXPECT_TRUE(status().online);
   EXPECT_TRUE(node_->tpdo_verified(1));
   EXPECT_EQ(slave_.value({0x1800, 2}), 255U);
