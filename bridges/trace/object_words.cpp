@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "bridges/alarms/fault_naming.h"
 #include "bridges/mqtt/value_text.h"
 #include "bridges/trace/communication_words.h"
 #include "canopen/hex.h"
@@ -54,6 +55,8 @@ std::string word_value(const Drive& drive, const Signal& signal, canopen::Raw ra
       }
     }
   }
+  // Nobody reads the bits of a control word in decimal digits.
+  has_bits = has_bits || signal.name == "control_command";
   if (!has_bits || !signal.values.empty() || canopen::is_real(signal.type) || signal.scale != 1.0) {
     return {};
   }
@@ -92,6 +95,11 @@ std::string signal_value(const Drive& drive, const Signal& signal, canopen::Raw 
     return text;
   }
   const auto position = static_cast<process::SignalId>(&signal - drive.signals.data());
+  if (raw != 0 && drive.faults.fault_code == std::size_t{position}) {
+    const config::FaultText named =
+        alarms::name_fault_code(drive.faults, drive.node.emcy, raw, config::Severity::fault);
+    return mqtt::integer_text(signal.type, raw) + " (" + named.text + ")";
+  }
   const mqtt::Shape shape = mqtt::shape_of(drive, position);
   if (!mqtt::append_value(text, signal, shape, raw)) {
     return "no number";

@@ -41,9 +41,10 @@ TEST(GoldenWords, Goodrive600) {
   EXPECT_THAT(words_of_log("goodrive600-sdo-read-1801-03"),
               ElementsAre("hoist1 SDO: read 0x1801:03 TPDO2 inhibit time",
                           "hoist1 SDO: answer: 0x1801:03 TPDO2 inhibit time = 0x000003E8 (1000)"));
-  EXPECT_THAT(words_of_log("goodrive600-rpdo2-50hz"),
-              ElementsAre("hoist1 RPDO2: control_command 1, 0x2100:03 0x0000 (unused), frequency_command 50.00 Hz, "
-                          "0x2100:05 0x0000 (unused)"));
+  EXPECT_THAT(
+      words_of_log("goodrive600-rpdo2-50hz"),
+      ElementsAre("hoist1 RPDO2: control_command 0x0001, 0x2100:03 0x0000 (unused), frequency_command 50.00 Hz, "
+                  "0x2100:05 0x0000 (unused)"));
   EXPECT_THAT(words_of_log("goodrive600-parameter-channel"),
               ElementsAre("hoist1 RPDO1: 02 00 0D 0F 01 00 (not configured)",
                           "hoist1 TPDO1: 01 00 00 00 01 00 00 00 (not configured)"));

@@ -62,8 +62,32 @@ TEST(TraceWords, EmergenciesByTheTableOfTheirDrive) {
   EXPECT_THAT(other.words("086#1023020000000000"), HasSubstr("winder1 EMCY: 0x2310 fault: "));
 }
 
+// Of each system, by the layouts and scales of its profile.
 TEST(TraceWords, PdosInEngineeringUnits) {
   Listener bus;
+  EXPECT_EQ(bus.words("185#8513270685130E00"),
+            "pump1 TPDO1: status_word 0x1385 (running, ready, decelerating), output_current 157.5 A, output_frequency "
+            "49.97 Hz, motor_speed 14 rpm");
+  EXPECT_EQ(bus.words("282#851327060700"), "fan1 TPDO2: output_power 499.7 %, input_voltage 157.5 V, fault_code 7 (" +
+                                               bus.model().drives.at(0).faults.drive_texts.at(7).text + ")");
+  EXPECT_EQ(bus.words("285#851327060000"), "pump1 TPDO2: output_power 499.7 %, input_voltage 157.5 V, fault_code 0");
+  EXPECT_EQ(
+      bus.words("382#8513270601003200"),
+      "fan1 TPDO3: output_torque 499.7 %, dc_bus_voltage 157.5 V, output_voltage 0.1 V, module_temperature 5.0 °C");
+  EXPECT_EQ(bus.words("202#0100881301FF"),
+            "fan1 RPDO1: control_command forward (1), frequency_command 50.00 Hz, torque_command -25.5 %");
+  EXPECT_EQ(
+      bus.words("205#0100881301FF0E00"),
+      "pump1 RPDO1: control_command 0x0001, frequency_command 50.00 Hz, torque_command -25.5 %; beyond its mapping "
+      "0E 00");
+  EXPECT_EQ(bus.words("283#8513881388130B14"),
+            "hoist1 TPDO2: status_word 0x1385 (warning, ready), output_frequency 50.00 Hz, set_frequency 50.00 Hz, "
+            "dc_bus_voltage 513.1 V");
+  EXPECT_EQ(
+      bus.words("184#3706DC05"),
+      "mixer1 TPDO1: status_word 0x0637 (running, ready, remote, target_reached, voltage_enabled), actual_velocity "
+      "1500 rpm");
+  EXPECT_EQ(bus.words("204#0F0024FA"), "mixer1 RPDO1: control_command 0x000F, target_velocity -1500 rpm");
   EXPECT_EQ(bus.words("484#00"), "mixer1 TPDO4: 00 (not configured)");
   EXPECT_EQ(bus.words("189#0102"), "node 9 TPDO1: 01 02");
   EXPECT_EQ(bus.words("185#R8"), "pump1 TPDO1: asked for");
