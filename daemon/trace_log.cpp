@@ -35,8 +35,11 @@ std::error_code decode_file(int file, trace::LogDecoder& decoder) {
 }  // namespace
 
 int trace_log(const Options& options, const std::filesystem::path& log, const trace::FilterWords& words, bool raw) {
-  const std::optional<config::Model> model = load_or_complain(options, Secrets::leave);
+  // Nobody asked for its warnings: `check` has them.
+  const config::Loaded loaded = config::load(load_options(options));
+  const std::optional<config::Model>& model = loaded.model;
   if (!model) {
+    show_findings(loaded.findings);
     return kConfigurationError;
   }
   canopen::Result<trace::Filter> filter = trace::make_filter(*model, words);
