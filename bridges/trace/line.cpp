@@ -1,7 +1,6 @@
 #include "bridges/trace/line.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -15,8 +14,9 @@ namespace {
 // RFC 3339 with microseconds: frames of a fast bus come several in a millisecond.
 std::string precise_time(canopen::WallTime at) {
   std::string time = text::timestamp(at);
-  const auto rest = std::chrono::floor<std::chrono::microseconds>(at.time_since_epoch()).count() % 1000;
-  time.insert(time.size() - 1, fmt::format("{:03}", rest));
+  constexpr std::int64_t kThousand = 1000;
+  const auto whole = std::chrono::floor<std::chrono::microseconds>(at.time_since_epoch()).count();
+  time.insert(time.size() - 1, std::to_string(kThousand + whole % kThousand).substr(1));
   return time;
 }
 
@@ -28,6 +28,11 @@ std::string_view time_of_day(std::string_view time) {
   }
   time.remove_prefix(day + 1);
   return time.ends_with('Z') ? time.substr(0, time.size() - 1) : time;
+}
+
+// Filled up with blanks, and one behind it.
+void append_column(std::string& text, std::string_view cell, std::size_t width) {
+  text.append(cell).append(width + 1 - std::min(cell.size(), width), ' ');
 }
 
 }  // namespace
@@ -59,10 +64,15 @@ void append_members(text::ObjectText& object, const Line& line) {
 }
 
 std::string terminal_line(const Line& line) {
-  const std::string_view mark = line.kind == name_of(Kind::error) ? "!" : line.own ? ">" : " ";
-  const std::string_view id = std::string_view(line.frame).substr(0, line.frame.find('#'));
-  std::string text = fmt::format("{} {} {}{:<3} {:<10} {:<9} {}", time_of_day(line.time), line.bus, mark,
-                                 line.kind == name_of(Kind::error) ? "" : id, line.owner, line.name, line.text);
+  const bool is_error = line.kind == name_of(Kind::error);
+  const std::string_view mark = is_error ? "!" : line.own ? ">" : " ";
+  const std::string_view id = std::string_view(line.frame).substr(0, is_error ? 0 : line.frame.find('#'));
+  std::string text(time_of_day(line.time));
+  text.append(" ").append(line.bus).append(" ").append(mark);
+  append_column(text, id, 3);
+  append_column(text, line.owner, 10);
+  append_column(text, line.name, 9);
+  text += line.text;
   text.erase(text.find_last_not_of(' ') + 1);
   return text;
 }
