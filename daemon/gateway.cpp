@@ -9,7 +9,9 @@
 
 #include "bridges/alarms/alarm_id.h"
 #include "bridges/mqtt/publisher.h"
+#include "bridges/trace/feed.h"
 #include "daemon/control/plant_service.h"
+#include "daemon/control/streams.h"
 #include "daemon/http/respond.h"
 #include "daemon/journal_place.h"
 #include "daemon/log.h"
@@ -104,9 +106,12 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
       mqtt_->on_connected_change([this](bool connected) { modbus_->set_mqtt_connected(connected); });
     }
   }
+  trace_ = make_trace();
   if (!model.gateway.control.empty()) {
+    control::Service service = control::plant_service(plant_);
+    service.open_stream = control::stream_source(plant_, *trace_);
     control_ = std::make_unique<control::Server>(
-        executor, control::Place{model.gateway.control, control_group}, control::plant_service(plant_),
+        executor, control::Place{model.gateway.control, control_group}, std::move(service),
         control::Server::Notices{.warning = [](const std::string& text) { spdlog::warn(text); },
                                  .info = [](const std::string& text) { spdlog::info(text); }});
   }
@@ -119,6 +124,14 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
 }
 
 Gateway::~Gateway() = default;
+
+std::unique_ptr<trace::Feed> Gateway::make_trace() {
+  std::vector<canopen::Bus*> buses;
+  for (const BusInUse& in_use : buses_) {
+    buses.push_back(in_use.bus.get());
+  }
+  return std::make_unique<trace::Feed>(plant_.model(), std::move(buses));
+}
 
 void Gateway::follow_bus(const boost::asio::any_io_executor& executor, std::size_t i) {
   BusInUse& in_use = buses_[i];
@@ -158,6 +171,7 @@ void Gateway::make_http(const boost::asio::any_io_executor& executor) {
                            }},
       net::Notices{.info = [](const std::string& text) { spdlog::info(text); },
                    .warning = [](const std::string& text) { spdlog::warn(text); }});
+  site_->trace = trace_.get();
   site_->history = [this](std::size_t drive) { return history_->json(drive); };
   site_->http = [this] { return http_->figures(); };
 }

@@ -28,6 +28,10 @@
 #include "daemon/http/site.h"
 #include "daemon/kept_alarms.h"
 
+namespace trace {
+class Feed;
+}
+
 namespace gateway {
 
 /// Everything of one configuration, wired: buses, drives, bridges. `model` outlives it.
@@ -69,6 +73,7 @@ class Gateway {
   static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,
                                           const LinkFactory& make_link);
   [[nodiscard]] http::Site http_site();
+  [[nodiscard]] std::unique_ptr<trace::Feed> make_trace();
   void make_http(const boost::asio::any_io_executor& executor);
   /// Its state, timing, and who else is on it reach plant and log.
   void follow_bus(const boost::asio::any_io_executor& executor, std::size_t i);
@@ -83,6 +88,7 @@ class Gateway {
   std::unique_ptr<KeptAlarms> kept_alarms_;  ///< None where there is no state directory.
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
+  std::unique_ptr<trace::Feed> trace_;  ///< Who reads it goes before.
   std::unique_ptr<control::Server> control_;
   http::CommandTally tally_;
   std::unique_ptr<http::Site> site_;  ///< What HTTP shows.

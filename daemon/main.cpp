@@ -16,6 +16,7 @@
 #include "daemon/control/ask.h"
 #include "daemon/descriptors.h"
 #include "daemon/output.h"
+#include "daemon/trace_log.h"
 
 namespace {
 
@@ -76,6 +77,11 @@ struct CommandLine {
   std::string nmt_command;
   gateway::control::SdoOrder sdo;
   bool as_json = false;
+  bool watch = false;
+  std::vector<std::string> traced;
+  std::vector<std::string> kinds;
+  std::vector<std::string> cob_ids;
+  bool raw = false;
 };
 
 // What goes through the running daemon.
@@ -93,9 +99,21 @@ void describe_sdo(CLI::App& sdo, CommandLine& line, const std::string& name, con
   way->add_option(words, line.sdo.words, "A type as u16 may be left out where a signal has the object");
 }
 
+void describe_trace(CLI::App& app, CommandLine& line) {
+  CLI::App* const trace = add_asking(app, line, "trace", "The frames of the buses in words");
+  trace->add_option("NAME", line.traced,
+                    "A drive or bus of the running gateway; or a candump log, as ./FILE or FILE.log");
+  trace->add_option("--kind", line.kinds, "nmt, heartbeat, sdo, pdo, emcy, sync, error, other; repeatable")
+      ->allow_extra_args(false);
+  trace->add_option("--id", line.cob_ids, "A COB-ID, hexadecimal; repeatable")->allow_extra_args(false);
+  trace->add_flag("--raw", line.raw, "As candump -L writes them");
+}
+
 void describe_asking(CLI::App& app, CommandLine& line) {
   CLI::App* const status = add_asking(app, line, "status", "How the running gateway and its drives are");
   status->add_flag("--json", line.as_json, "As JSON");
+  status->add_flag("--watch", line.watch, "Again at each change, until Ctrl-C");
+  describe_trace(app, line);
   CLI::App* const set = add_asking(app, line, "set", "Write signals of a drive");
   set->add_option("DRIVE", line.drive, "Its name")->required();
   set->add_option("SIGNAL=VALUE", line.assignments, "In engineering units; several are written together")->required();
@@ -111,6 +129,36 @@ void describe_asking(CLI::App& app, CommandLine& line) {
   describe_sdo(*sdo, line, "write", "Write an object, raw as the drive holds it", "TYPE VALUE");
 }
 
+std::string with_commas(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) {
+    list.append(list.empty() ? "" : ",").append(word);
+  }
+  return list;
+}
+
+// No drive and no bus has a dot or a slash in its name.
+bool is_log(const std::string& word) {
+  return word == "-" || word.find_first_of("./") != std::string::npos;
+}
+
+int carry_out_trace(const gateway::control::Reach& reach, const CommandLine& line) {
+  std::vector<std::string> logs;
+  std::vector<std::string> names;
+  for (const std::string& word : line.traced) {
+    (is_log(word) ? logs : names).push_back(word);
+  }
+  const trace::FilterWords filter{with_commas(names), with_commas(line.kinds), with_commas(line.cob_ids)};
+  if (logs.empty()) {
+    return gateway::control::trace(reach, filter, line.raw);
+  }
+  if (logs.size() > 1) {
+    gateway::complain("trace takes one log");
+    return gateway::kUsage;
+  }
+  return gateway::trace_log(line.options, logs.front(), filter, line.raw);
+}
+
 int carry_out_asking(const CLI::App& app, CommandLine line) {
   const gateway::control::Reach reach{line.options, line.control};
   if (app.got_subcommand("set")) {
@@ -119,8 +167,12 @@ int carry_out_asking(const CLI::App& app, CommandLine line) {
   if (app.got_subcommand("nmt")) {
     return gateway::control::nmt(reach, line.drive, line.nmt_command);
   }
+  if (app.got_subcommand("trace")) {
+    return carry_out_trace(reach, line);
+  }
   if (app.got_subcommand("status")) {
-    return gateway::control::status(reach, line.as_json);
+    return line.watch ? gateway::control::watch_status(reach, line.as_json)
+                      : gateway::control::status(reach, line.as_json);
   }
   if (app.got_subcommand("stop")) {
     return gateway::control::stop(reach);

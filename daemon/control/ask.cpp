@@ -1,16 +1,14 @@
 #include "daemon/control/ask.h"
 
-#include <algorithm>
 #include <boost/json/object.hpp>
 #include <boost/json/parse.hpp>
-#include <chrono>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "bridges/text/json_text.h"
 #include "daemon/control/exchange.h"
+#include "daemon/control/find_daemon.h"
 #include "daemon/control/order_text.h"
 #include "daemon/control/status_table.h"
 #include "daemon/descriptors.h"
@@ -20,47 +18,6 @@ namespace gateway::control {
 namespace {
 
 namespace json = boost::json;
-
-// Over the deadline of a drive, within which the gateway answers.
-constexpr std::chrono::seconds kGrace(5);
-// Of a drive whose deadline is not known here: as long as the configuration permits.
-constexpr std::chrono::seconds kLongestDeadline(60);
-
-/// Where the daemon is found, and how long it may take to answer.
-struct Daemon {
-  std::filesystem::path socket;
-  std::chrono::milliseconds patience = kLongestDeadline + kGrace;
-};
-
-std::chrono::milliseconds longest_deadline(const config::Model& model) {
-  canopen::Duration longest{};
-  for (const config::Drive& drive : model.drives) {
-    longest = std::max(longest, drive.commands.deadline);
-  }
-  return std::chrono::ceil<std::chrono::milliseconds>(longest);
-}
-
-// Nothing where a configuration was named and is of no use; that is told.
-std::optional<Daemon> find_daemon(const Reach& reach) {
-  Daemon daemon{.socket = reach.socket};
-  if (!daemon.socket.empty()) {
-    return daemon;
-  }
-  daemon.socket = config::Gateway{}.control;
-  std::error_code ignored;
-  if (!reach.options.config_given && !std::filesystem::exists(reach.options.config, ignored)) {
-    return daemon;
-  }
-  const config::Loaded loaded = config::load(load_options(reach.options));
-  if (loaded.model) {
-    daemon.socket = loaded.model->gateway.control;
-    daemon.patience = longest_deadline(*loaded.model) + kGrace;
-  } else if (reach.options.config_given) {
-    show_findings(loaded.findings);
-    return std::nullopt;
-  }
-  return daemon;
-}
 
 std::string text_member(const json::object& object, const char* name) {
   const json::value* const value = object.if_contains(name);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/trace/filter.h"
 #include "daemon/options.h"
 
 // The commands of the program that go through the running daemon. Each returns its exit code: kDone, kFailed where the
@@ -36,6 +37,13 @@ struct SdoOrder {
 
 /// `status`: a table for people, or the JSON of the gateway.
 [[nodiscard]] int status(const Reach& reach, bool as_json);
+
+/// `status --watch`: the table redrawn in a terminal, printed anew into a pipe where it tells something else; or each
+/// status as JSON. Until SIGINT or SIGTERM (kDone), or the gateway's end (kFailed).
+[[nodiscard]] int watch_status(const Reach& reach, bool as_json);
+
+/// `trace`: the frames of the running gateway's buses in words, or as candump writes them. It ends likewise.
+[[nodiscard]] int trace(const Reach& reach, const trace::FilterWords& filter, bool raw);
 
 /// `stop`: every drive that takes commands of the command line gets its stop value.
 [[nodiscard]] int stop(const Reach& reach);

@@ -19,20 +19,24 @@ using boost::asio::use_awaitable;
 using boost::asio::local::stream_protocol;
 using boost::system::error_code;
 
-Connection::Connection(stream_protocol::socket socket, std::string user, const Service& service)
+Connection::Connection(stream_protocol::socket socket, std::string user, const Service& service, http::LoopShare& share)
     : socket_(std::move(socket)),
       user_(std::move(user)),
       service_(service),
+      share_(share),
+      turn_(socket_.get_executor()),
       tasks_(socket_.get_executor()),
       active_(canopen::Clock::now()) {}
 
 canopen::TimePoint Connection::idle_since() const noexcept {
-  return under_way_ > 0 || writing_ || !socket_.is_open() ? canopen::TimePoint::max() : active_;
+  return under_way_ > 0 || (writing_ && !streams_) || !socket_.is_open() ? canopen::TimePoint::max() : active_;
 }
 
 void Connection::take_no_more() {
   error_code ignored;  // It is gone already.
   socket_.shutdown(stream_protocol::socket::shutdown_receive, ignored);
+  ending_ = true;
+  turn_.cancel();
 }
 
 void Connection::close() {
@@ -40,6 +44,7 @@ void Connection::close() {
   socket_.shutdown(stream_protocol::socket::shutdown_both, ignored);
   socket_.close(ignored);
   waiting_.clear();
+  turn_.cancel();
 }
 
 awaitable<void> Connection::serve() {
@@ -109,6 +114,10 @@ void Connection::begin(std::string_view text) {
                            .detail = "too many requests under way; this one was not carried out"}));
     return;
   }
+  if (is_stream(line.request.value())) {
+    begin_stream(line);
+    return;
+  }
   ++under_way_;
   tasks_.spawn(carry_out(
       {.request = std::move(line.request.value()), .id = std::move(line.id), .user = user_, .received = read_at_}));
@@ -121,14 +130,18 @@ awaitable<void> Connection::carry_out(Asked asked) {
 }
 
 void Connection::send(std::string_view answer) {
-  if (!socket_.is_open()) {
+  send_lines(std::string(answer) + '\n');
+}
+
+void Connection::send_lines(std::string_view lines) {
+  if (!socket_.is_open() || lines.empty()) {
     return;
   }
-  if (waiting_.size() + leaving_ + answer.size() >= kMaxWaiting) {
+  if (waiting_.size() + leaving_ + lines.size() > kMaxWaiting) {
     close();
     return;
   }
-  waiting_.append(answer) += '\n';
+  waiting_.append(lines);
   if (!std::exchange(writing_, true)) {
     tasks_.spawn(write_answers());
   }

@@ -70,24 +70,26 @@ Exchanged read_answer(stream_protocol::socket& socket, std::chrono::milliseconds
 
 }  // namespace
 
-Exchanged exchange(const std::filesystem::path& path, std::string_view request, std::chrono::milliseconds patience) {
+std::string send_request(stream_protocol::socket& socket, const std::filesystem::path& path, std::string_view request) {
   const std::string at = path.string();
   if (at.empty() || at.size() >= sizeof(sockaddr_un::sun_path)) {
-    return problem("\"" + at + "\" is no path of a socket: from 1 to " +
-                   std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " bytes");
+    return "\"" + at + "\" is no path of a socket: from 1 to " + std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
+           " bytes";
   }
-  boost::asio::io_context unused;  // nothing here is asynchronous
-  stream_protocol::socket socket(unused);
   error_code failed;
   socket.connect(stream_protocol::endpoint(at), failed);
   if (failed) {
-    return problem("cannot reach the gateway at " + at + ": " + failed.message() + remedy(failed));
+    return "cannot reach the gateway at " + at + ": " + failed.message() + remedy(failed);
   }
   boost::asio::write(socket, boost::asio::buffer(std::string(request) + "\n"), failed);
-  if (failed) {
-    return problem("the gateway ended the connection: " + failed.message());
-  }
-  return read_answer(socket, patience);
+  return failed ? "the gateway ended the connection: " + failed.message() : std::string();
+}
+
+Exchanged exchange(const std::filesystem::path& path, std::string_view request, std::chrono::milliseconds patience) {
+  boost::asio::io_context unused;  // nothing here is asynchronous
+  stream_protocol::socket socket(unused);
+  std::string wrong = send_request(socket, path, request);
+  return wrong.empty() ? read_answer(socket, patience) : problem(std::move(wrong));
 }
 
 }  // namespace gateway::control

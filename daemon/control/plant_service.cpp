@@ -183,6 +183,7 @@ awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint star
     case Op::stop:
       return stop(plant, std::move(asked));
     case Op::status:
+    case Op::trace:  // a stream, see streams.h
       break;
   }
   return status(plant, std::move(asked), started);

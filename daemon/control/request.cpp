@@ -25,12 +25,15 @@ constexpr std::array<std::string_view, 2> kOfSet{"drive", kValues};
 constexpr std::array<std::string_view, 2> kOfNmt{"drive", "command"};
 constexpr std::array<std::string_view, 3> kOfRead{"drive", "object", "type"};
 constexpr std::array<std::string_view, 4> kOfWrite{"drive", "object", "type", "value"};
-constexpr std::array<OpNames, 6> kOps{{{Op::set, "set", kOfSet},
+constexpr std::array<std::string_view, 1> kOfStatus{"watch"};
+constexpr std::array<std::string_view, 4> kOfTrace{"names", "kinds", "cob_ids", "raw"};
+constexpr std::array<OpNames, 7> kOps{{{Op::set, "set", kOfSet},
                                        {Op::nmt, "nmt", kOfNmt},
                                        {Op::sdo_read, "sdo-read", kOfRead},
                                        {Op::sdo_write, "sdo-write", kOfWrite},
-                                       {Op::status, "status", {}},
-                                       {Op::stop, "stop", {}}}};
+                                       {Op::status, "status", kOfStatus},
+                                       {Op::stop, "stop", {}},
+                                       {Op::trace, "trace", kOfTrace}}};
 
 Error no_request(std::string detail) {
   return {.kind = ErrorKind::type, .detail = std::move(detail)};
@@ -67,6 +70,36 @@ std::optional<Error> take_text(const FlatObject& members, std::string_view name,
   return std::nullopt;
 }
 
+// The same of one that may be left out.
+std::optional<Error> take_optional_text(const FlatObject& members, std::string_view name, std::string& text) {
+  return text::find_member(members, name) == nullptr ? std::nullopt : take_text(members, name, text);
+}
+
+std::optional<Error> take_optional_truth(const FlatObject& members, std::string_view name, bool& truth) {
+  const Scalar* const value = text::find_member(members, name);
+  if (value == nullptr) {
+    return std::nullopt;
+  }
+  if (value->kind != Scalar::Kind::boolean) {
+    return no_request("\"" + std::string(name) + "\" is to be true or false");
+  }
+  truth = value->text == "true";
+  return std::nullopt;
+}
+
+std::optional<Error> take_trace(const FlatObject& members, Request& request) {
+  if (auto refused = take_optional_text(members, "names", request.names)) {
+    return refused;
+  }
+  if (auto refused = take_optional_text(members, "kinds", request.kinds)) {
+    return refused;
+  }
+  if (auto refused = take_optional_text(members, "cob_ids", request.cob_ids)) {
+    return refused;
+  }
+  return take_optional_truth(members, "raw", request.raw);
+}
+
 std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   if (auto refused = take_text(members, "object", request.object)) {
     return refused;
@@ -88,7 +121,13 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
 }
 
 std::optional<Error> take_members(text::NestedObject& read, Request& request) {
-  if (request.op == Op::status || request.op == Op::stop) {
+  if (request.op == Op::status) {
+    return take_optional_truth(read.members, "watch", request.watch);
+  }
+  if (request.op == Op::trace) {
+    return take_trace(read.members, request);
+  }
+  if (request.op == Op::stop) {
     return std::nullopt;
   }
   if (auto refused = take_text(read.members, "drive", request.drive)) {
@@ -115,7 +154,7 @@ canopen::Result<Request> request_of(text::NestedObject& read) {
   const auto* const op = std::ranges::find(kOps, std::string_view(name), &OpNames::name);
   if (op == kOps.end()) {
     return Error{.kind = ErrorKind::unknown,
-                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop"};
+                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, trace"};
   }
   if (const auto refused = refuse_members(read.members, read.inner.has_value(), *op)) {
     return *refused;

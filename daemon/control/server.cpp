@@ -117,7 +117,7 @@ void Server::admit(stream_protocol::socket socket) {
     return;  // its end tells it
   }
   const std::string user = user_behind(socket.native_handle());
-  connections_.emplace_back(std::move(socket), user, service_);
+  connections_.emplace_back(std::move(socket), user, service_, share_);
   const auto admitted = std::prev(connections_.end());
   spawn([](Server& server, std::list<Connection>::iterator connection) -> awaitable<void> {
     co_await connection->serve();

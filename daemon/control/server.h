@@ -18,7 +18,8 @@ namespace gateway::control {
 /// The control socket: local clients that ask and command, a JSON object a line each way.
 class Server {
  public:
-  /// A further one takes the place of the one that is idle longest, and is refused where none is.
+  /// A further one takes the place of the one that is idle longest, though it may read a stream, and is refused where
+  /// none is.
   static constexpr std::size_t kMaxClients = 32;
   /// Where it cannot listen it tries again this often.
   static constexpr canopen::Duration kRetry = std::chrono::seconds(3);
@@ -58,6 +59,7 @@ class Server {
   boost::asio::any_io_executor executor_;
   Place place_;
   Service service_;
+  http::LoopShare share_{};
   Notices notices_;
   Opened opened_;
   std::string told_;  ///< The problem that was told last.

@@ -108,7 +108,8 @@ void append_bus(std::string& out, const process::Plant& plant, std::size_t index
 
 }  // namespace
 
-void append_drive_status(std::string& out, const process::Plant& plant, std::size_t index, canopen::TimePoint now) {
+void append_drive_status(std::string& out, const process::Plant& plant, std::size_t index, canopen::TimePoint now,
+                         Ages ages) {
   const process::Drive& drive = plant.drive(index);
   const canopen::NodeStatus& status = drive.status();
   ObjectText object(out);
@@ -120,7 +121,7 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.text("nmt", canopen::name_of(status.nmt));
   object.text("boot", boot_of(status.boot_result));
   object.text("boot_text", status.boot_text);
-  if (status.last_heartbeat) {
+  if (status.last_heartbeat && ages == Ages::shown) {
     object.key("heartbeat_age") += seconds(now - *status.last_heartbeat);
   } else {
     object.null("heartbeat_age");
@@ -133,7 +134,7 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.close();
 }
 
-std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
+std::string status_head(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
   std::string out;
   ObjectText object(out);
   object.text("ts", text::timestamp(canopen::wall_now()));
@@ -142,10 +143,17 @@ std::string status_json(const process::Plant& plant, canopen::TimePoint started,
   object.key("uptime") += seconds(now - started);
   text::append_list(object.key("buses"), std::views::iota(std::size_t{0}, plant.model().buses.size()),
                     [&plant](std::string& to, std::size_t i) { append_bus(to, plant, i); });
-  text::append_list(object.key("drives"), std::views::iota(std::size_t{0}, plant.size()),
-                    [&](std::string& to, std::size_t i) { append_drive_status(to, plant, i, now); });
-  object.close();
+  object.key("drives") += '[';
   return out;
+}
+
+std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
+  std::string out = status_head(plant, started, now);
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    out += i == 0 ? "" : ",";
+    append_drive_status(out, plant, i, now);
+  }
+  return out + "]}";
 }
 
 }  // namespace gateway::control

@@ -85,12 +85,12 @@ std::string with_unit(std::string text, std::string_view unit) {
   return text.empty() ? text : text.append(unit);
 }
 
-Cells cells_of(const json::object& drive) {
+Cells cells_of(const json::object& drive, TableAges ages) {
   const bool online = shown(drive, "online") == "yes";
   const std::string away = shown(drive, "enabled") == "no" ? "not in service" : "offline";
   return {shown(drive, "name"),     shown(drive, "bus"),
           shown(drive, "node"),     online ? shown(drive, "nmt") : away,
-          shown(drive, "boot"),     with_unit(shown(drive, "heartbeat_age"), " s"),
+          shown(drive, "boot"),     ages == TableAges::shown ? with_unit(shown(drive, "heartbeat_age"), " s") : "",
           shown(drive, "fresh"),    running(drive),
           pairs(drive, "commanded")};
 }
@@ -112,8 +112,8 @@ std::string table(const std::vector<Cells>& rows) {
   return out;
 }
 
-std::string bus_line(const json::object& bus) {
-  const std::string load = with_unit(shown(bus, "load"), " %");
+std::string bus_line(const json::object& bus, TableAges ages) {
+  const std::string load = ages == TableAges::hidden ? std::string() : with_unit(shown(bus, "load"), " %");
   return fmt::format("bus {}  {}{}\n", shown(bus, "name"), shown(bus, "state"), load.empty() ? "" : "  load " + load);
 }
 
@@ -139,7 +139,7 @@ std::string remarks(const json::object& drive) {
 
 }  // namespace
 
-std::optional<std::string> status_table(std::string_view status) {
+std::optional<std::string> status_table(std::string_view status, TableAges ages) {
   json::error_code failed;
   const json::value read = json::parse(json::string_view(status.data(), status.size()), failed);
   const json::object* const gateway = failed ? nullptr : read.if_object();
@@ -147,15 +147,22 @@ std::optional<std::string> status_table(std::string_view status) {
     return std::nullopt;
   }
   std::string out = fmt::format("gateway {} {}, up {} s\n", shown(*gateway, "gateway"), shown(*gateway, "version"),
-                                shown(*gateway, "uptime"));
-  for_each_object(*gateway, "buses", [&out](const json::object& bus) { out += bus_line(bus); });
+                                ages == TableAges::shown ? shown(*gateway, "uptime") : "");
+  for_each_object(*gateway, "buses", [&](const json::object& bus) { out += bus_line(bus, ages); });
   std::vector<Cells> rows{{"drive", "bus", "node", "state", "boot", "heartbeat", "fresh", "running", "commanded"}};
   std::string below;
   for_each_object(*gateway, "drives", [&](const json::object& drive) {
-    rows.push_back(cells_of(drive));
+    rows.push_back(cells_of(drive, ages));
     below += remarks(drive);
   });
   return out + table(rows) + below;
+}
+
+std::string status_time(std::string_view status) {
+  json::error_code failed;
+  const json::value read = json::parse(json::string_view(status.data(), status.size()), failed);
+  const json::object* const gateway = failed ? nullptr : read.if_object();
+  return gateway == nullptr ? std::string() : shown(*gateway, "ts");
 }
 
 }  // namespace gateway::control

@@ -2,11 +2,14 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace gateway::http {
+
+class EventSource;
 
 struct Progress {
   bool goes_on = false;  ///< There are further pieces.
@@ -25,7 +28,9 @@ struct Answer {
   const std::string* lasting = nullptr;  ///< In place of `body`: it outlives every connection.
   bool page = false;                     ///< A browser shows it, with what else this server has.
   bool stream = false;                   ///< Events follow, for as long as the client stays.
-  std::string_view allow{};              ///< The methods that there are; empty: not told.
+  /// Begins them, of a stream that is this reader's own; none: those of all readers, see LiveSource.
+  std::function<std::unique_ptr<EventSource>()> events{};
+  std::string_view allow{};  ///< The methods that there are; empty: not told.
 
   [[nodiscard]] std::string_view text() const noexcept { return lasting != nullptr ? *lasting : body; }
 };

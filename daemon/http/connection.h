@@ -10,6 +10,7 @@
 
 #include "canopen/clock.h"
 #include "daemon/http/answer.h"
+#include "daemon/http/event_source.h"
 #include "daemon/http/hosts.h"
 #include "daemon/http/live.h"
 #include "daemon/http/loop_share.h"
@@ -88,6 +89,7 @@ class Connection {
   boost::asio::awaitable<bool> await_turn(State then);
   void end_turn(canopen::TimePoint begin);
   boost::asio::awaitable<void> stream();
+  boost::asio::awaitable<void> stream_events(EventSource& source);
   /// The next events; empty: nothing changed. False: it is closed.
   boost::asio::awaitable<bool> next_events(Live::Place& place, std::string& events);
   /// Counts so many bytes as waiting for the client in place of those before. False: there is no room.

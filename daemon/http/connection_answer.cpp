@@ -4,6 +4,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
+#include <memory>
 #include <utility>
 #include <variant>
 
@@ -39,7 +40,10 @@ awaitable<bool> Connection::answer_first() {
     co_return false;
   }
   co_await send(answer, request.keep_alive, request.method == Method::head);
-  if (streams_) {
+  if (streams_ && answer.events) {
+    const std::unique_ptr<EventSource> source = answer.events();
+    co_await stream_events(*source);
+  } else if (streams_) {
     co_await stream();
   }
   const bool goes_on = request.keep_alive && !answer.stream && socket_.is_open();

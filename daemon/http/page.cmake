@@ -7,7 +7,7 @@ set(page_type_svg "image/svg+xml")
 set(PAGE_FILES "")
 foreach(name
     index.html page.css icon.svg alarms.js buses.js clients.js commands.js dom.js drive_card.js drives.js events.js
-    journal.js link.js main.js map.js search.js trends.js words.js)
+    frames.js journal.js link.js main.js map.js search.js trace.js trends.js words.js)
   get_filename_component(page_extension "${name}" LAST_EXT)
   string(SUBSTRING "${page_extension}" 1 -1 page_extension)
   set(page_path "/page/${name}")

@@ -15,6 +15,7 @@ namespace {
 constexpr std::string_view kOneDrive = "/api/drives/";
 constexpr std::array<std::string_view, 1> kCount{"count"};
 constexpr std::array<std::string_view, 1> kDrive{"drive"};
+constexpr std::array<std::string_view, 2> kTraced{"drive", "kind"};
 
 struct Resource {
   std::string_view path;
@@ -22,7 +23,7 @@ struct Resource {
   std::span<const std::string_view> parameters{};
 };
 
-constexpr std::array<Resource, 9> kResources{
+constexpr std::array<Resource, 10> kResources{
     {{"/metrics", [](const Site& site, const Target&) { return metrics(site); }},
      {"/health", [](const Site& site, const Target&) { return health(site); }},
      {"/api/drives", [](const Site& site, const Target&) { return drives(site); }},
@@ -31,6 +32,7 @@ constexpr std::array<Resource, 9> kResources{
      {"/api/map", [](const Site& site, const Target&) { return map(site); }},
      {"/api/history", [](const Site& site, const Target& target) { return history(site, target); }, kDrive},
      {"/api/live", [](const Site&, const Target&) { return Answer{.type = "text/event-stream", .stream = true}; }},
+     {"/api/trace", [](const Site& site, const Target& target) { return trace_frames(site, target); }, kTraced},
      {"/api/commands", [](const Site& site, const Target& target) { return commands(site, target); }, kCount}}};
 
 Answer not_found(std::string_view path) {

@@ -25,6 +25,7 @@ namespace gateway::http {
 [[nodiscard]] Answer active_alarms(const Site& site);
 [[nodiscard]] Answer map(const Site& site);
 [[nodiscard]] Answer history(const Site& site, const Target& target);
+[[nodiscard]] Answer trace_frames(const Site& site, const Target& target);
 [[nodiscard]] Answer commands(const Site& site, const Target& target);
 
 }  // namespace gateway::http

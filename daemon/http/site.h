@@ -16,6 +16,10 @@
 #include "daemon/http/page.h"
 #include "daemon/http/process_figures.h"
 
+namespace trace {
+class Feed;
+}
+
 namespace gateway::http {
 
 struct ModbusFigures {
@@ -59,6 +63,7 @@ struct Site {
   std::function<JournalFigures()> journal{};
   std::function<const std::deque<std::string>&()> journal_lines{};  ///< The newest, oldest first.
   std::function<HttpFigures()> http{};
+  trace::Feed* trace = nullptr;  ///< Only looks at the buses.
 };
 
 }  // namespace gateway::http

@@ -97,6 +97,27 @@ test('a drive goes offline: its values are gone and grey', async () => {
   await expectAccessible(page, 'with a drive offline');
 });
 
+test('the frames of a drive are shown in words, while somebody wants them', async () => {
+  const rows = page.locator('#trace-rows tr');
+  assert.equal(await rows.count(), 0);
+  await page.locator('#trace-drive').selectOption('pump1');
+  await page.locator('#trace-run').click();
+  await until('frames come', async () => await rows.count() > 5);
+  const pdo = rows.filter({ has: page.locator('td:text-is("TPDO1")') }).first();
+  assert.match(await pdo.innerText(), /^\d\d:\d\d:\d\d\.\d{6}\s+185\s+TPDO1\s+status_word 0x.*output_frequency \d+\.\d\d Hz/);
+  await page.locator('#trace-kind').selectOption('sdo');
+  await until('it begins anew', async () => await rows.count() === 0);
+  await demo.command('sdo', 'read', 'pump1', '0x2021:02');
+  await until('our request and its answer', async () => await rows.count() === 2);
+  assert.match(await rows.last().innerText(), /605\s+SDO \(ours\)\s+read 0x2021:02 output_frequency/);
+  await expectAccessible(page, 'with a trace');
+  await page.locator('#trace-run').click();
+  assert.equal(await page.locator('#trace-note').textContent(), 'Paused.');
+  await demo.command('sdo', 'read', 'pump1', '0x2021:02');
+  await new Promise((resolve) => setTimeout(resolve, 500));
+  assert.equal(await rows.count(), 2, 'they stay as they were');
+});
+
 test('the map is searched', async () => {
   await page.locator('#map-search').fill('pump1 frequency register');
   const rows = await page.locator('#map-rows tr').allInnerTexts();

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
 import { EventParser } from '../../daemon/http/page/events.js';
+import { frameCells, lostText } from '../../daemon/http/page/frames.js';
 import { commandText, newestCommands, outcomeText, writerText } from '../../daemon/http/page/journal.js';
 import { findRows, mapRows, modbusText } from '../../daemon/http/page/search.js';
 import { rangeOf } from '../../daemon/http/page/trends.js';
@@ -72,4 +73,14 @@ test('foreign text never becomes markup, and functions stay short', () => {
   }
   const page = fs.readFileSync(new URL('index.html', folder), 'utf8');
   assert.doesNotMatch(page, /<style|style=|<script(?![^>]* src=)|\son[a-z]+=|https?:/, 'nothing inline, nothing from elsewhere');
+});
+
+test('frames', () => {
+  const frame = { ts: '2026-01-02T03:04:05.678123Z', frame: '605#4021', own: true, kind: 'sdo', name: 'SDO' };
+  const cells = frameCells(frame);
+  assert.match(cells.time, /\d\d:\d\d:05\.678123$/);
+  assert.deepEqual([cells.id, cells.name], ['605', 'SDO (ours)']);
+  assert.deepEqual(frameCells({ ...frame, own: false, kind: 'error', name: 'error', frame: '20000040#' }).id, '');
+  assert.equal(lostText({ frames: 1 }), '1 frame is not shown here.');
+  assert.equal(lostText({ frames: 7 }), '7 frames are not shown here: they came too fast.');
 });

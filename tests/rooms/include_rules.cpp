@@ -65,6 +65,26 @@ constexpr std::array<std::string_view, 9> kMqtt{"config/address_map.h", "bridges
 constexpr std::array<std::string_view, 11> kJournal{
     "bridges/disk/",   "bridges/text/", "bridges/process/", "config/model.h",   "canopen/clock.h",  "canopen/error.h",
     "canopen/event.h", "canopen/hex.h", "canopen/nmt.h",    "canopen/object.h", "canopen/wake_up.h"};
+// Frames as they are seen, what the model says of them, and how values are written for people.
+constexpr std::array<std::string_view, 19> kTrace{"bridges/text/",
+                                                  "bridges/alarms/fault_naming.h",
+                                                  "bridges/mqtt/value_text.h",
+                                                  "config/model.h",
+                                                  "canopen/bus/bus.h",
+                                                  "canopen/bus/frame_tap.h",
+                                                  "canopen/clock.h",
+                                                  "canopen/cob_id.h",
+                                                  "canopen/communication_objects.h",
+                                                  "canopen/error.h",
+                                                  "canopen/frame.h",
+                                                  "canopen/hex.h",
+                                                  "canopen/nmt.h",
+                                                  "canopen/node/emcy.h",
+                                                  "canopen/node/error_report.h",
+                                                  "canopen/node/node_settings.h",
+                                                  "canopen/node/pdo.h",
+                                                  "canopen/object.h",
+                                                  "canopen/sdo/frames.h"};
 // Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
 constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/clock.h",
@@ -73,11 +93,11 @@ constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/bus/virtual_link.h",
                                                      "canopen/bus/socketcan/socketcan_link.h"};
 // The only one that knows the loader.
-constexpr std::array<std::string_view, 11> kDaemon{
-    "bridges/disk/",    "canopen/",        "config/",       "bridges/text/",    "bridges/net/", "bridges/alarms/",
-    "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/", "simulator/"};
+constexpr std::array<std::string_view, 12> kDaemon{
+    "bridges/disk/",    "canopen/",        "config/",       "bridges/text/",    "bridges/net/",   "bridges/alarms/",
+    "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/", "bridges/trace/", "simulator/"};
 
-constexpr std::array<Room, 12> kRooms{{{"canopen/", {}},
+constexpr std::array<Room, 13> kRooms{{{"canopen/", {}},
                                        {"config/", kConfig},
                                        {"bridges/disk/", kDisk},
                                        {"bridges/text/", kText},
@@ -87,6 +107,7 @@ constexpr std::array<Room, 12> kRooms{{{"canopen/", {}},
                                        {"bridges/modbus/", kModbus},
                                        {"bridges/mqtt/", kMqtt},
                                        {"bridges/journal/", kJournal},
+                                       {"bridges/trace/", kTrace},
                                        {"simulator/", kSimulator},
                                        {"daemon/", kDaemon}}};
 

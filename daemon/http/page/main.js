@@ -7,6 +7,7 @@ import { byId, setClass, setText } from './dom.js';
 import { Drives } from './drives.js';
 import { ask, Link } from './link.js';
 import { showMap } from './map.js';
+import { Trace } from './trace.js';
 import { clockText } from './words.js';
 
 const alarms = new Alarms();
@@ -89,6 +90,7 @@ async function begin() {
       await drives.make(map, link);
       link.start();
       new Commands().start();
+      new Trace().start(map.drives);
       showMap(map);
       return;
     } catch {

@@ -58,8 +58,9 @@ TEST_F(ControlCommandLine, WrongUsageIs2) {
 }
 
 TEST_F(ControlCommandLine, WithoutAGatewayItIs1) {
-  for (const Words& words : {Words{"status"}, Words{"stop"}, Words{"set", "pump1", "a=1"},
-                             Words{"nmt", "pump1", "start"}, Words{"sdo", "read", "pump1", "0x2002:03"}}) {
+  for (const Words& words :
+       {Words{"status"}, Words{"status", "--watch"}, Words{"trace"}, Words{"stop"}, Words{"set", "pump1", "a=1"},
+        Words{"nmt", "pump1", "start"}, Words{"sdo", "read", "pump1", "0x2002:03"}}) {
     for (const Told& told : {run(with_site(words)), [&] {
                                Words all = words;
                                all.insert(all.end(), {"--control", socket_});
@@ -99,6 +100,53 @@ TEST_F(ControlCommandLine, AsksTheRunningGateway) {
   gateway.signal(SIGTERM);
   EXPECT_EQ(gateway.exit_code(), 0) << gateway.output();
   EXPECT_FALSE(std::filesystem::exists(socket_));
+}
+
+TEST_F(ControlCommandLine, TraceAndWatchGoOnUntilASignalOrTheGatewaysEnd) {
+  Program gateway(with_site({"run"}));
+  ASSERT_TRUE(gateway.says(" serves ")) << gateway.output();
+  // The gateway's own heartbeat is all that is on its bus.
+  Program trace(with_site({"trace", "can0", "--kind", "heartbeat"}));
+  ASSERT_TRUE(trace.says(" >77F gateway    heartbeat operational\n")) << trace.output();
+  Program raw(with_site({"trace", "--raw", "--id", "0x77F"}));
+  ASSERT_TRUE(raw.says(") can0 77F#05\n")) << raw.output();
+  Program watch(with_site({"status", "--watch"}));
+  ASSERT_TRUE(watch.says("Z  gateway line3 ")) << watch.output();
+  ASSERT_TRUE(watch.says("\npump1  can0  5     offline")) << watch.output();
+  Program json({"status", "--watch", "--json", "--control", socket_});
+  ASSERT_TRUE(json.says("{\"ts\":\"")) << json.output();
+  for (Program* const interrupted : {&trace, &json}) {
+    interrupted->signal(SIGINT);
+    EXPECT_EQ(interrupted->exit_code(), kDone) << interrupted->output();
+  }
+  const Told unknown = run(with_site({"trace", "pump9"}));
+  EXPECT_EQ(unknown.code, kFailed);
+  EXPECT_THAT(unknown.text, HasSubstr("no drive or bus \"pump9\"; there are pump1, fan1, and the buses can0"));
+
+  gateway.signal(SIGTERM);
+  EXPECT_EQ(gateway.exit_code(), 0) << gateway.output();
+  for (Program* const left : {&raw, &watch}) {
+    EXPECT_EQ(left->exit_code(), kFailed);
+    EXPECT_THAT(left->output(), HasSubstr("canopen-gateway: the gateway has ended\n"));
+  }
+}
+
+TEST_F(ControlCommandLine, ALogIsDecodedWithoutAGateway) {
+  const TemporaryFile log(
+      "(1767323045.000001) vcan7 705#05\nnonsense\n(1767323045.000002) vcan7 585#4B21200285130000\n");
+  const Told told = run(with_site({"trace", log.path()}));
+  EXPECT_EQ(told.code, kFailed) << "one line is none of a log";
+  EXPECT_THAT(told.text, HasSubstr("03:04:05.000001 can0  705 pump1      heartbeat operational\n"));
+  EXPECT_THAT(told.text, HasSubstr(log.path() + ": line 2: does not begin with a time"));
+  EXPECT_THAT(told.text, HasSubstr("SDO       answer: 0x2021:02 output_frequency = 49.97 Hz\n"));
+
+  const TemporaryFile good("(1767323045.000001) vcan7 705#05\n");
+  const Told raw = run(with_site({"trace", good.path(), "--raw", "pump1"}));
+  EXPECT_EQ(raw.code, kDone);
+  EXPECT_EQ(raw.text, "(1767323045.000001) vcan7 705#05\n");
+  EXPECT_EQ(run(with_site({"trace", good.path(), "pump9"})).code, kUsage);
+  EXPECT_EQ(run(with_site({"trace", good.path(), good.path()})).code, kUsage);
+  EXPECT_EQ(run(with_site({"trace", "/nowhere/x.log"})).code, kFailed);
 }
 
 }  // namespace

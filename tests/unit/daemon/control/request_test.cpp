@@ -51,6 +51,22 @@ TEST(ControlRequest, OfEveryOtherKind) {
   EXPECT_EQ(parse_line(" {\"op\":\"stop\"}\r").request.value().op, Op::stop);
 }
 
+TEST(ControlRequest, Streams) {
+  const Line trace = parse_line(R"({"id":1,"op":"trace","names":"pump1,can0","kinds":"sdo","cob_ids":"585","raw":true})");
+  ASSERT_TRUE(trace.request.has_value()) << to_string(trace.request.error());
+  const Request& request = trace.request.value();
+  EXPECT_EQ(request.op, Op::trace);
+  EXPECT_EQ(request.names, "pump1,can0");
+  EXPECT_EQ(request.kinds, "sdo");
+  EXPECT_EQ(request.cob_ids, "585");
+  EXPECT_TRUE(request.raw);
+  EXPECT_TRUE(is_stream(request));
+  EXPECT_TRUE(is_stream(parse_line(R"({"op":"trace"})").request.value()));
+  EXPECT_TRUE(is_stream(parse_line(R"({"op":"status","watch":true})").request.value()));
+  EXPECT_FALSE(is_stream(parse_line(R"({"op":"status","watch":false})").request.value()));
+  EXPECT_FALSE(is_stream(parse_line(R"({"op":"stop"})").request.value()));
+}
+
 struct Refused {
   std::string text;
   ErrorKind kind;

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <vector>
+
+#include "bridges/trace/decoder.h"
+#include "bridges/trace/entry.h"
+#include "bridges/trace/filter.h"
+#include "canopen/bus/bus.h"
+#include "config/model.h"
+
+namespace trace {
+
+/// The newest frames of all buses, taken apart, for any number of readers who each take them at their own pace. While
+/// nobody reads it does nothing and keeps nothing. A reader that does not keep up loses the oldest ones, counted;
+/// nobody waits for him.
+class Feed {
+ public:
+  /// Frames that are kept: of a full bus of 1 Mbit/s half a second.
+  static constexpr std::size_t kKept = 4096;
+
+  /// `buses` in the order of the model's; all outlive the feed.
+  Feed(const config::Model& model, std::vector<canopen::Bus*> buses);
+  ~Feed();
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
+  /// One who reads, from the next frame on. Goes before the feed.
+  class Reader {
+   public:
+    Reader(Feed& feed, Filter filter);
+    ~Reader();
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+
+    /// Hands the next frame that passes to `show`, and further ones, `most` at most. False: there are no more by now.
+    template <class Show>
+    bool take(std::size_t most, Show show) {
+      while (const Entry* const entry = next()) {
+        if (most-- == 0) {
+          return true;
+        }
+        show(*entry);
+        ++next_;
+      }
+      return false;
+    }
+    /// Frames that passed and were overtaken before they were taken, since this was asked last.
+    [[nodiscard]] std::uint64_t take_lost() noexcept;
+    [[nodiscard]] const config::Model& model() const noexcept { return feed_.model_; }
+
+   private:
+    friend class Feed;
+    /// The next frame that passes; null: there is none yet.
+    [[nodiscard]] const Entry* next();
+
+    Feed& feed_;
+    Filter filter_;
+    std::uint64_t next_;
+    std::uint64_t lost_ = 0;
+  };
+
+  [[nodiscard]] const config::Model& model() const noexcept { return model_; }
+  [[nodiscard]] std::size_t readers() const noexcept { return readers_.size(); }
+
+ private:
+  class Tap;
+
+  void begin();
+  void end();
+  void push(const Entry& entry);
+  [[nodiscard]] std::uint64_t oldest() const noexcept { return next_ < kKept ? 0 : next_ - kKept; }
+  [[nodiscard]] Entry& at(std::uint64_t number) noexcept { return entries_[number % kKept]; }
+
+  const config::Model& model_;
+  std::vector<canopen::Bus*> buses_;
+  std::vector<std::unique_ptr<Tap>> taps_;
+  std::vector<Entry> entries_;  ///< A ring.
+  std::uint64_t next_ = 0;      ///< The number of the next entry.
+  std::list<Reader*> readers_;
+};
+
+}  // namespace trace

@@ -1,0 +1,141 @@
+#include "bridges/trace/filter.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+#include "canopen/hex.h"
+
+namespace trace {
+namespace {
+
+using canopen::Error;
+using canopen::ErrorKind;
+using canopen::Result;
+
+std::vector<std::string_view> split(std::string_view list) {
+  std::vector<std::string_view> items;
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(','), list.size());
+    if (end > 0) {
+      items.push_back(list.substr(0, end));
+    }
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return items;
+}
+
+template <class Items>
+std::string names_in(const Items& items) {
+  std::string text;
+  for (const auto& item : items) {
+    text.append(text.empty() ? "" : ", ").append(item.name);
+  }
+  return text;
+}
+
+Error unknown(std::string_view what, std::string_view written, const std::string& known) {
+  constexpr std::size_t kShown = 40;
+  return {
+      .kind = ErrorKind::unknown,
+      .detail = "no " + std::string(what) + " \"" + std::string(written.substr(0, kShown)) + "\"; there are " + known};
+}
+
+template <class Items>
+bool mark(const Items& items, std::string_view name, std::vector<bool>& marks) {
+  const auto found = std::ranges::find(items, name, [](const auto& item) { return std::string_view(item.name); });
+  if (found == items.end()) {
+    return false;
+  }
+  marks.at(static_cast<std::size_t>(found - items.begin())) = true;
+  return true;
+}
+
+std::optional<Error> take_names(const config::Model& model, std::string_view names, Filter& filter) {
+  const std::vector<std::string_view> wanted = split(names);
+  if (wanted.empty()) {
+    return std::nullopt;
+  }
+  filter.drives.assign(model.drives.size(), false);
+  filter.buses.assign(model.buses.size(), false);
+  for (const std::string_view name : wanted) {
+    const bool is_drive = mark(model.drives, name, filter.drives);
+    const bool is_bus = mark(model.buses, name, filter.buses);
+    if (!is_drive && !is_bus) {
+      return unknown("drive or bus", name, names_in(model.drives) + ", and the buses " + names_in(model.buses));
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> take_kinds(std::string_view kinds, Filter& filter) {
+  const std::vector<std::string_view> wanted = split(kinds);
+  unsigned mask = 0;
+  for (const std::string_view name : wanted) {
+    const std::optional<Kind> kind = parse_kind(name);
+    if (!kind) {
+      return unknown("kind of frames", name, std::string(kind_names()));
+    }
+    mask |= 1U << static_cast<unsigned>(*kind);
+  }
+  filter.kinds = wanted.empty() ? filter.kinds : static_cast<std::uint8_t>(mask);
+  return std::nullopt;
+}
+
+std::optional<Error> take_cob_ids(std::string_view cob_ids, Filter& filter) {
+  for (const std::string_view text : split(cob_ids)) {
+    const std::string_view digits = text.starts_with("0x") || text.starts_with("0X") ? text.substr(2) : text;
+    std::uint32_t id = 0;
+    const auto [end, failed] = std::from_chars(digits.data(), digits.data() + digits.size(), id, 16);
+    if (failed != std::errc{} || end != digits.data() + digits.size() || id > canopen::kMaxCobId) {
+      return unknown("COB-ID", text, "0x000 to 0x" + canopen::hex(canopen::kMaxCobId, 3));
+    }
+    filter.cob_ids.push_back(id);
+  }
+  return std::nullopt;
+}
+
+bool is_of_drive(const config::Model& model, const Filter& filter, const Entry& entry) {
+  if (entry.drive) {
+    return filter.drives.at(*entry.drive);
+  }
+  if (entry.lost == 0 && !(entry.kind == Kind::nmt && entry.node == 0)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < filter.drives.size(); ++i) {
+    if (filter.drives.at(i) && entry.bus && model.drives.at(i).bus == *entry.bus) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<Filter> make_filter(const config::Model& model, const FilterWords& words) {
+  Filter filter;
+  if (const auto wrong = take_names(model, words.names, filter)) {
+    return *wrong;
+  }
+  if (const auto wrong = take_kinds(words.kinds, filter)) {
+    return *wrong;
+  }
+  if (const auto wrong = take_cob_ids(words.cob_ids, filter)) {
+    return *wrong;
+  }
+  return filter;
+}
+
+bool passes(const config::Model& model, const Filter& filter, const Entry& entry) {
+  const bool is_of_place =
+      filter.drives.empty() || (entry.bus && filter.buses.at(*entry.bus)) || is_of_drive(model, filter, entry);
+  if (entry.lost > 0) {
+    return is_of_place;
+  }
+  const bool has_id =
+      filter.cob_ids.empty() || (!entry.frame.error && !entry.frame.extended &&
+                                 std::ranges::find(filter.cob_ids, entry.frame.id) != filter.cob_ids.end());
+  return (filter.kinds >> static_cast<unsigned>(entry.kind) & 1U) != 0 && has_id && is_of_place;
+}
+
+}  // namespace trace

@@ -1,0 +1,111 @@
+#include "bridges/trace/feed.h"
+
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bridges/trace/words.h"
+#include "tests/support/bus_fixture.h"
+#include "tests/support/frame.h"
+#include "tests/unit/trace/site.h"
+
+namespace trace {
+namespace {
+
+using canopen::Clock;
+using canopen::Received;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// Two buses of the site, whose frames a test makes by hand.
+class TraceFeed : public testing::Test {
+ protected:
+  TraceFeed() {
+    for (std::size_t i = 0; i < 2; ++i) {
+      buses_.push_back(std::make_unique<canopen::Bus>(
+          loop_.executor(), std::make_unique<support::HandLink>(events_.at(i)), support::kQuiet));
+      buses_.back()->start();
+      events_.at(i)->on_bus_state({canopen::BusCondition::error_active, 0, 0});
+    }
+    feed_ = std::make_unique<Feed>(model_, std::vector{buses_[0].get(), buses_[1].get()});
+  }
+
+  void hear(std::uint32_t id, std::uint8_t byte, std::size_t bus = 0) {
+    const Received received{support::frame(id, byte), Clock::now(), canopen::wall_now()};
+    events_.at(bus)->on_frames({&received, 1});
+  }
+  std::unique_ptr<Feed::Reader> reader(const FilterWords& words = {}) {
+    return std::make_unique<Feed::Reader>(*feed_, make_filter(model_, words).value());
+  }
+  std::vector<std::string> take(Feed::Reader& reader, std::size_t most = 100) {
+    std::vector<std::string> told;
+    more_ = reader.take(most, [&](const Entry& entry) { told.push_back(words_of(model_, entry)); });
+    return told;
+  }
+
+  support::HandDrivenLoop loop_;
+  config::Model model_ = test::site();
+  std::array<canopen::LinkEvents*, 2> events_{};
+  std::vector<std::unique_ptr<canopen::Bus>> buses_;
+  std::unique_ptr<Feed> feed_;
+  bool more_ = false;
+};
+
+TEST_F(TraceFeed, AReaderHearsAllBusesFromItsBeginOn) {
+  hear(0x705, 4);
+  const auto one = reader();
+  hear(0x705, 5);
+  hear(0x706, 0x7F, 1);
+  const Received own{support::frame(0x77F, 5), Clock::now(), canopen::wall_now()};
+  events_[0]->on_echo(own);
+  const auto late = reader({.names = "can1"});
+  events_[1]->on_frames_lost(3);
+  EXPECT_THAT(take(*one, 3), ElementsAre("operational", "pre-operational", "operational"));
+  EXPECT_TRUE(more_);
+  EXPECT_EQ(take(*one).size(), 1U);
+  EXPECT_FALSE(more_);
+  EXPECT_EQ(take(*late).size(), 1U) << "the lost ones";
+  EXPECT_THAT(take(*late), IsEmpty());
+  EXPECT_EQ(one->take_lost(), 0U);
+}
+
+TEST_F(TraceFeed, WhileNobodyReadsItDoesNothing) {
+  EXPECT_EQ(feed_->readers(), 0U);
+  {
+    const auto one = reader();
+    const auto two = reader();
+    EXPECT_EQ(feed_->readers(), 2U);
+    hear(0x705, 5);
+  }
+  EXPECT_EQ(feed_->readers(), 0U);
+  hear(0x705, 4);
+  const auto again = reader();
+  EXPECT_THAT(take(*again), IsEmpty()) << "what came meanwhile nobody kept";
+}
+
+TEST_F(TraceFeed, ASlowReaderLosesTheOldestAndTheyAreCounted) {
+  const auto slow = reader();
+  const auto slow_and_choosy = reader({.kinds = "emcy"});
+  const auto quick = reader();
+  hear(0x085, 5);
+  std::size_t taken = 0;
+  const std::size_t count = Feed::kKept + 10;
+  for (std::size_t i = 1; i < count; ++i) {
+    hear(0x705, i % 2 == 0 ? 5 : 4);
+    taken += take(*quick).size();
+  }
+  EXPECT_EQ(taken, count);
+  EXPECT_EQ(quick->take_lost(), 0U);
+  EXPECT_EQ(slow->take_lost(), 10U);
+  EXPECT_EQ(slow->take_lost(), 0U) << "told once";
+  EXPECT_EQ(slow_and_choosy->take_lost(), 1U) << "only of what it wanted";
+  EXPECT_EQ(take(*slow, count).size(), Feed::kKept);
+  EXPECT_THAT(take(*slow_and_choosy), IsEmpty());
+  hear(0x085, 6);
+  EXPECT_EQ(take(*slow_and_choosy).size(), 1U) << "it goes on";
+}
+
+}  // namespace
+}  // namespace trace
