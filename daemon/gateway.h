@@ -28,6 +28,10 @@
 #include "daemon/http/site.h"
 #include "daemon/kept_alarms.h"
 
+namespace canopen {
+class BusSurvey;
+}
+
 namespace gateway {
 
 /// Everything of one configuration, wired: buses, drives, bridges. `model` outlives it.
@@ -54,6 +58,8 @@ class Gateway {
   [[nodiscard]] process::Plant& plant() noexcept { return plant_; }
   /// How it is, as `B/health` and `/health` show it.
   [[nodiscard]] process::Health health() const;
+  /// How sound a bus is, by its position in config::Model::buses.
+  [[nodiscard]] const canopen::BusSurvey& survey(std::size_t bus) const { return *buses_.at(bus).survey; }
   /// Of the HTTP server; 0 while it does not listen.
   [[nodiscard]] std::uint16_t http_port() const { return http_ ? http_->port() : std::uint16_t{0}; }
 
@@ -62,6 +68,8 @@ class Gateway {
   struct BusInUse {
     std::unique_ptr<canopen::Bus> bus;
     std::unique_ptr<canopen::BusWatch> watch{};
+    canopen::BusTroubles troubles{};
+    std::unique_ptr<canopen::BusSurvey> survey{};
     canopen::Subscription state{};
     canopen::Subscription timing{};
   };

@@ -63,6 +63,7 @@ struct CommandLine {
   std::string nmt_command;
   gateway::control::SdoOrder sdo;
   bool as_json = false;
+  bool of_buses = false;
 };
 
 // What goes through the running daemon.
@@ -83,6 +84,7 @@ void describe_sdo(CLI::App& sdo, CommandLine& line, const std::string& name, con
 void describe_asking(CLI::App& app, CommandLine& line) {
   CLI::App* const status = add_asking(app, line, "status", "How the running gateway and its drives are");
   status->add_flag("--json", line.as_json, "As JSON");
+  status->add_flag("--buses", line.of_buses, "How sound the buses are, in figures");
   CLI::App* const set = add_asking(app, line, "set", "Write signals of a drive");
   set->add_option("DRIVE", line.drive, "Its name")->required();
   set->add_option("SIGNAL=VALUE", line.assignments, "In engineering units; several are written together")->required();
@@ -107,7 +109,7 @@ int carry_out_asking(const CLI::App& app, CommandLine line) {
     return gateway::control::nmt(reach, line.drive, line.nmt_command);
   }
   if (app.got_subcommand("status")) {
-    return gateway::control::status(reach, line.as_json);
+    return line.of_buses ? gateway::control::buses(reach, line.as_json) : gateway::control::status(reach, line.as_json);
   }
   if (app.got_subcommand("stop")) {
     return gateway::control::stop(reach);

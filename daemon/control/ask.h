@@ -37,6 +37,9 @@ struct SdoOrder {
 /// `status`: a table for people, or the JSON of the gateway.
 [[nodiscard]] int status(const Reach& reach, bool as_json);
 
+/// `status --buses`: how sound the buses are, likewise.
+[[nodiscard]] int buses(const Reach& reach, bool as_json);
+
 /// `stop`: every drive that takes commands of the command line gets its stop value.
 [[nodiscard]] int stop(const Reach& reach);
 

@@ -25,12 +25,13 @@ constexpr std::array<std::string_view, 2> kOfSet{"drive", kValues};
 constexpr std::array<std::string_view, 2> kOfNmt{"drive", "command"};
 constexpr std::array<std::string_view, 3> kOfRead{"drive", "object", "type"};
 constexpr std::array<std::string_view, 4> kOfWrite{"drive", "object", "type", "value"};
-constexpr std::array<OpNames, 6> kOps{{{Op::set, "set", kOfSet},
+constexpr std::array<OpNames, 7> kOps{{{Op::set, "set", kOfSet},
                                        {Op::nmt, "nmt", kOfNmt},
                                        {Op::sdo_read, "sdo-read", kOfRead},
                                        {Op::sdo_write, "sdo-write", kOfWrite},
                                        {Op::status, "status", {}},
-                                       {Op::stop, "stop", {}}}};
+                                       {Op::stop, "stop", {}},
+                                       {Op::buses, "buses", {}}}};
 
 Error no_request(std::string detail) {
   return {.kind = ErrorKind::type, .detail = std::move(detail)};
@@ -88,7 +89,7 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
 }
 
 std::optional<Error> take_members(text::NestedObject& read, Request& request) {
-  if (request.op == Op::status || request.op == Op::stop) {
+  if (request.op == Op::status || request.op == Op::stop || request.op == Op::buses) {
     return std::nullopt;
   }
   if (auto refused = take_text(read.members, "drive", request.drive)) {
@@ -115,7 +116,7 @@ canopen::Result<Request> request_of(text::NestedObject& read) {
   const auto* const op = std::ranges::find(kOps, std::string_view(name), &OpNames::name);
   if (op == kOps.end()) {
     return Error{.kind = ErrorKind::unknown,
-                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop"};
+                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, buses"};
   }
   if (const auto refused = refuse_members(read.members, read.inner.has_value(), *op)) {
     return *refused;

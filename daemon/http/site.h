@@ -15,6 +15,7 @@
 #include "daemon/http/command_tally.h"
 #include "daemon/http/page.h"
 #include "daemon/http/process_figures.h"
+#include "daemon/surveys.h"
 
 namespace gateway::http {
 
@@ -59,6 +60,7 @@ struct Site {
   std::function<JournalFigures()> journal{};
   std::function<const std::deque<std::string>&()> journal_lines{};  ///< The newest, oldest first.
   std::function<HttpFigures()> http{};
+  Surveys survey{};
 };
 
 }  // namespace gateway::http
