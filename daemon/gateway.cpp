@@ -10,6 +10,7 @@
 #include "bridges/alarms/alarm_id.h"
 #include "bridges/mqtt/publisher.h"
 #include "bridges/trace/feed.h"
+#include "canopen/survey/bus_survey.h"
 #include "daemon/control/plant_service.h"
 #include "daemon/control/streams.h"
 #include "daemon/http/respond.h"
@@ -17,6 +18,7 @@
 #include "daemon/log.h"
 #include "daemon/map.h"
 #include "daemon/program_health.h"
+#include "daemon/surveys.h"
 
 namespace gateway {
 namespace {
@@ -108,8 +110,9 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   }
   trace_ = make_trace();
   if (!model.gateway.control.empty()) {
-    control::Service service = control::plant_service(plant_);
-    service.open_stream = control::stream_source(plant_, *trace_);
+    const Surveys surveys = [this](std::size_t bus) -> const canopen::BusSurvey& { return survey(bus); };
+    control::Service service = control::plant_service(plant_, surveys);
+    service.open_stream = control::stream_source(plant_, *trace_, surveys);
     control_ = std::make_unique<control::Server>(
         executor, control::Place{model.gateway.control, control_group}, std::move(service),
         control::Server::Notices{.warning = [](const std::string& text) { spdlog::warn(text); },
@@ -145,15 +148,19 @@ void Gateway::follow_bus(const boost::asio::any_io_executor& executor, std::size
   });
   in_use.watch = std::make_unique<canopen::BusWatch>(
       executor, *in_use.bus, plant_.model().buses[i].other_master,
-      canopen::BusWatch::Handlers{
-          .changed = [this, i](const canopen::BusTroubles& troubles) { plant_.set_bus_troubles(i, troubles); },
-          .remark =
-              [name = plant_.model().buses[i].name](const std::string& text) { spdlog::info("{}: {}", name, text); }});
+      canopen::BusWatch::Handlers{.changed =
+                                      [this, i, &in_use](const canopen::BusTroubles& troubles) {
+                                        in_use.troubles = troubles;
+                                        plant_.set_bus_troubles(i, troubles);
+                                      },
+                                  .remark = [name = plant_.model().buses[i].name](
+                                                const std::string& text) { spdlog::info("{}: {}", name, text); }});
   for (const config::Drive& drive : plant_.model().drives) {
     if (drive.bus == i && drive.enabled) {
       in_use.watch->watch_commands_to(drive.node);
     }
   }
+  in_use.survey = make_survey(executor, *in_use.bus, plant_, i, in_use.troubles);
 }
 
 void Gateway::make_http(const boost::asio::any_io_executor& executor) {
@@ -174,6 +181,7 @@ void Gateway::make_http(const boost::asio::any_io_executor& executor) {
   site_->trace = trace_.get();
   site_->history = [this](std::size_t drive) { return history_->json(drive); };
   site_->http = [this] { return http_->figures(); };
+  site_->survey = [this](std::size_t bus) -> const canopen::BusSurvey& { return survey(bus); };
 }
 
 http::Site Gateway::http_site() {
@@ -259,6 +267,7 @@ void Gateway::start(std::span<const int> passed) {
   for (BusInUse& in_use : buses_) {
     in_use.bus->start();
     in_use.watch->start();
+    in_use.survey->start();
   }
 }
 
@@ -288,6 +297,7 @@ boost::asio::awaitable<void> Gateway::stop() {
   }
   for (BusInUse& in_use : buses_) {
     in_use.watch->stop();
+    in_use.survey->stop();
     co_await in_use.bus->stop();
   }
   event_log_.finish();

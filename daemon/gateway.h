@@ -31,6 +31,9 @@
 namespace trace {
 class Feed;
 }
+namespace canopen {
+class BusSurvey;
+}
 
 namespace gateway {
 
@@ -58,6 +61,8 @@ class Gateway {
   [[nodiscard]] process::Plant& plant() noexcept { return plant_; }
   /// How it is, as `B/health` and `/health` show it.
   [[nodiscard]] process::Health health() const;
+  /// How sound a bus is, by its position in config::Model::buses.
+  [[nodiscard]] const canopen::BusSurvey& survey(std::size_t bus) const { return *buses_.at(bus).survey; }
   /// Of the HTTP server; 0 while it does not listen.
   [[nodiscard]] std::uint16_t http_port() const { return http_ ? http_->port() : std::uint16_t{0}; }
 
@@ -66,6 +71,8 @@ class Gateway {
   struct BusInUse {
     std::unique_ptr<canopen::Bus> bus;
     std::unique_ptr<canopen::BusWatch> watch{};
+    canopen::BusTroubles troubles{};
+    std::unique_ptr<canopen::BusSurvey> survey{};
     canopen::Subscription state{};
     canopen::Subscription timing{};
   };

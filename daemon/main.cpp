@@ -82,6 +82,7 @@ struct CommandLine {
   std::vector<std::string> kinds;
   std::vector<std::string> cob_ids;
   bool raw = false;
+  bool of_buses = false;
 };
 
 // What goes through the running daemon.
@@ -112,6 +113,7 @@ void describe_trace(CLI::App& app, CommandLine& line) {
 void describe_asking(CLI::App& app, CommandLine& line) {
   CLI::App* const status = add_asking(app, line, "status", "How the running gateway and its drives are");
   status->add_flag("--json", line.as_json, "As JSON");
+  status->add_flag("--buses", line.of_buses, "How sound the buses are, in figures");
   status->add_flag("--watch", line.watch, "Again at each change, until Ctrl-C");
   describe_trace(app, line);
   CLI::App* const set = add_asking(app, line, "set", "Write signals of a drive");
@@ -171,6 +173,9 @@ int carry_out_asking(const CLI::App& app, CommandLine line) {
     return carry_out_trace(reach, line);
   }
   if (app.got_subcommand("status")) {
+    if (line.of_buses) {
+      return gateway::control::buses(reach, line.as_json);
+    }
     return line.watch ? gateway::control::watch_status(reach, line.as_json)
                       : gateway::control::status(reach, line.as_json);
   }

@@ -27,6 +27,14 @@ std::string with_command(std::string answer, const std::string& command) {
   return answer;
 }
 
+std::string told(std::string_view id, std::string_view name, std::string_view json) {
+  std::string out;
+  text::ObjectText object = begin_answer(out, id);
+  object.key(name) += json;
+  object.close();
+  return out;
+}
+
 }  // namespace
 
 std::string refusal(std::string_view id, const canopen::Error& error) {
@@ -79,11 +87,11 @@ std::string stop_answer(std::string_view id, const process::Plant& plant, std::s
 }
 
 std::string told_status(std::string_view id, std::string_view status) {
-  std::string out;
-  text::ObjectText object = begin_answer(out, id);
-  object.key("status") += status;
-  object.close();
-  return out;
+  return told(id, "status", status);
+}
+
+std::string told_buses(std::string_view id, std::string_view buses) {
+  return told(id, "buses", buses);
 }
 
 }  // namespace gateway::control

@@ -36,4 +36,7 @@ namespace gateway::control {
 /// `{"id":7,"ok":true,"status":{…}}`; `status` is JSON text.
 [[nodiscard]] std::string told_status(std::string_view id, std::string_view status);
 
+/// The same of `buses`: a list.
+[[nodiscard]] std::string told_buses(std::string_view id, std::string_view buses);
+
 }  // namespace gateway::control

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bridges/text/json_text.h"
+#include "daemon/control/bus_table.h"
 #include "daemon/control/exchange.h"
 #include "daemon/control/find_daemon.h"
 #include "daemon/control/order_text.h"
@@ -163,6 +164,12 @@ int status(const Reach& reach, bool wants_json) {
   const Answer answer = ask(reach, request_of("status", {}, {}));
   const std::string told = last_member(answer.line, "status");
   return show(answer, wants_json && !told.empty() ? told + "\n" : status_table(told).value_or(""));
+}
+
+int buses(const Reach& reach, bool wants_json) {
+  const Answer answer = ask(reach, request_of("buses", {}, {}));
+  const std::string told = last_member(answer.line, "buses");
+  return show(answer, wants_json && !told.empty() ? told + "\n" : bus_table(told).value_or(""));
 }
 
 int stop(const Reach& reach) {

@@ -45,6 +45,9 @@ struct SdoOrder {
 /// `trace`: the frames of the running gateway's buses in words, or as candump writes them. It ends likewise.
 [[nodiscard]] int trace(const Reach& reach, const trace::FilterWords& filter, bool raw);
 
+/// `status --buses`: how sound the buses are, likewise.
+[[nodiscard]] int buses(const Reach& reach, bool as_json);
+
 /// `stop`: every drive that takes commands of the command line gets its stop value.
 [[nodiscard]] int stop(const Reach& reach);
 

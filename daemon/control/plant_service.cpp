@@ -7,6 +7,7 @@
 #include "bridges/mqtt/command.h"
 #include "bridges/mqtt/sdo_request.h"
 #include "bridges/process/stop_all.h"
+#include "daemon/bus_report.h"
 #include "daemon/control/answer.h"
 #include "daemon/control/status_json.h"
 
@@ -167,11 +168,21 @@ awaitable<std::string> stop(Plant& plant, Asked asked) {
   co_return stop_answer(asked.id, plant, drives, not_stopped);
 }
 
-awaitable<std::string> status(const Plant& plant, Asked asked, canopen::TimePoint started) {
-  co_return told_status(asked.id, status_json(plant, started, canopen::Clock::now()));
+/// What is told beside the drives.
+struct Beside {
+  canopen::TimePoint started;
+  Surveys surveys;
+};
+
+awaitable<std::string> status(const Plant& plant, Asked asked, Beside beside) {
+  co_return told_status(asked.id, status_json(plant, beside.started, canopen::Clock::now(), beside.surveys));
 }
 
-awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint started) {
+awaitable<std::string> buses(const Plant& plant, Asked asked, Beside beside) {
+  co_return told_buses(asked.id, bus_reports(plant, beside.surveys));
+}
+
+awaitable<std::string> answer(Plant& plant, Asked asked, Beside beside) {
   switch (asked.request.op) {
     case Op::set:
       return set(plant, std::move(asked));
@@ -182,11 +193,13 @@ awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint star
       return sdo(plant, std::move(asked));
     case Op::stop:
       return stop(plant, std::move(asked));
+    case Op::buses:
+      return buses(plant, std::move(asked), std::move(beside));
     case Op::status:
     case Op::trace:  // a stream, see streams.h
       break;
   }
-  return status(plant, std::move(asked), started);
+  return status(plant, std::move(asked), std::move(beside));
 }
 
 bool is_stop(Plant& plant, const Request& request) {
@@ -197,10 +210,10 @@ bool is_stop(Plant& plant, const Request& request) {
 
 }  // namespace
 
-Service plant_service(process::Plant& plant) {
-  const canopen::TimePoint started = canopen::Clock::now();
+Service plant_service(process::Plant& plant, Surveys surveys) {
+  const Beside beside{canopen::Clock::now(), std::move(surveys)};
   return {.is_stop = [&plant](const Request& request) { return is_stop(plant, request); },
-          .answer = [&plant, started](Asked asked) { return answer(plant, std::move(asked), started); }};
+          .answer = [&plant, beside](Asked asked) { return answer(plant, std::move(asked), beside); }};
 }
 
 }  // namespace gateway::control

@@ -27,13 +27,14 @@ constexpr std::array<std::string_view, 3> kOfRead{"drive", "object", "type"};
 constexpr std::array<std::string_view, 4> kOfWrite{"drive", "object", "type", "value"};
 constexpr std::array<std::string_view, 1> kOfStatus{"watch"};
 constexpr std::array<std::string_view, 4> kOfTrace{"names", "kinds", "cob_ids", "raw"};
-constexpr std::array<OpNames, 7> kOps{{{Op::set, "set", kOfSet},
+constexpr std::array<OpNames, 8> kOps{{{Op::set, "set", kOfSet},
                                        {Op::nmt, "nmt", kOfNmt},
                                        {Op::sdo_read, "sdo-read", kOfRead},
                                        {Op::sdo_write, "sdo-write", kOfWrite},
                                        {Op::status, "status", kOfStatus},
                                        {Op::stop, "stop", {}},
-                                       {Op::trace, "trace", kOfTrace}}};
+                                       {Op::trace, "trace", kOfTrace},
+                                       {Op::buses, "buses", {}}}};
 
 Error no_request(std::string detail) {
   return {.kind = ErrorKind::type, .detail = std::move(detail)};
@@ -127,7 +128,7 @@ std::optional<Error> take_members(text::NestedObject& read, Request& request) {
   if (request.op == Op::trace) {
     return take_trace(read.members, request);
   }
-  if (request.op == Op::stop) {
+  if (request.op == Op::stop || request.op == Op::buses) {
     return std::nullopt;
   }
   if (auto refused = take_text(read.members, "drive", request.drive)) {
@@ -154,7 +155,7 @@ canopen::Result<Request> request_of(text::NestedObject& read) {
   const auto* const op = std::ranges::find(kOps, std::string_view(name), &OpNames::name);
   if (op == kOps.end()) {
     return Error{.kind = ErrorKind::unknown,
-                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, trace"};
+                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, trace, buses"};
   }
   if (const auto refused = refuse_members(read.members, read.inner.has_value(), *op)) {
     return *refused;

@@ -11,6 +11,7 @@
 #include "bridges/mqtt/value_text.h"
 #include "bridges/text/json_text.h"
 #include "bridges/text/timestamp.h"
+#include "daemon/bus_report.h"
 
 namespace gateway::control {
 namespace {
@@ -90,7 +91,7 @@ void append_alarms(std::string& out, const process::Drive& drive) {
   });
 }
 
-void append_bus(std::string& out, const process::Plant& plant, std::size_t index) {
+void append_bus(std::string& out, const process::Plant& plant, std::size_t index, const Surveys& surveys) {
   const config::Bus& bus = plant.model().buses[index];
   const canopen::BusState& state = plant.bus_state(index);
   ObjectText object(out);
@@ -103,6 +104,7 @@ void append_bus(std::string& out, const process::Plant& plant, std::size_t index
   } else {
     object.null("load");
   }
+  append_bus_summary(object, plant, index, surveys);
   object.close();
 }
 
@@ -134,7 +136,8 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.close();
 }
 
-std::string status_head(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
+std::string status_head(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now,
+                        const Surveys& surveys) {
   std::string out;
   ObjectText object(out);
   object.text("ts", text::timestamp(canopen::wall_now()));
@@ -142,13 +145,14 @@ std::string status_head(const process::Plant& plant, canopen::TimePoint started,
   object.text("version", GATEWAY_VERSION);
   object.key("uptime") += seconds(now - started);
   text::append_list(object.key("buses"), std::views::iota(std::size_t{0}, plant.model().buses.size()),
-                    [&plant](std::string& to, std::size_t i) { append_bus(to, plant, i); });
+                    [&](std::string& to, std::size_t i) { append_bus(to, plant, i, surveys); });
   object.key("drives") += '[';
   return out;
 }
 
-std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now) {
-  std::string out = status_head(plant, started, now);
+std::string status_json(const process::Plant& plant, canopen::TimePoint started, canopen::TimePoint now,
+                        const Surveys& surveys) {
+  std::string out = status_head(plant, started, now, surveys);
   for (std::size_t i = 0; i < plant.size(); ++i) {
     out += i == 0 ? "" : ",";
     append_drive_status(out, plant, i, now);

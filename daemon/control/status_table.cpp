@@ -112,9 +112,28 @@ std::string table(const std::vector<Cells>& rows) {
   return out;
 }
 
+// Of the drive with the least.
+std::string margin_of(const json::object& bus) {
+  const json::value* const value = member(bus, "heartbeat_margin");
+  const json::object* const margin = value == nullptr ? nullptr : value->if_object();
+  const json::value* const least = margin == nullptr ? nullptr : member(*margin, "least");
+  if (least == nullptr || !least->is_number()) {
+    return "";
+  }
+  constexpr double kPercent = 100;
+  return fmt::format("  heartbeat margin {:.0f} % ({})", least->to_number<double>() * kPercent,
+                     shown(*margin, "drive"));
+}
+
+std::string suspicion_line(const json::object& bus) {
+  const std::string suspicion = shown(bus, "suspicion");
+  return suspicion.empty() ? "" : fmt::format("bus {}  suspicion: {}\n", shown(bus, "name"), suspicion);
+}
+
 std::string bus_line(const json::object& bus, TableAges ages) {
   const std::string load = ages == TableAges::hidden ? std::string() : with_unit(shown(bus, "load"), " %");
-  return fmt::format("bus {}  {}{}\n", shown(bus, "name"), shown(bus, "state"), load.empty() ? "" : "  load " + load);
+  return fmt::format("bus {}  {}{}{}\n", shown(bus, "name"), shown(bus, "state"), load.empty() ? "" : "  load " + load,
+                     margin_of(bus));
 }
 
 // What is wrong with a drive, a line each; who holds it, too.
@@ -148,7 +167,8 @@ std::optional<std::string> status_table(std::string_view status, TableAges ages)
   }
   std::string out = fmt::format("gateway {} {}, up {} s\n", shown(*gateway, "gateway"), shown(*gateway, "version"),
                                 ages == TableAges::shown ? shown(*gateway, "uptime") : "");
-  for_each_object(*gateway, "buses", [&](const json::object& bus) { out += bus_line(bus, ages); });
+  for_each_object(*gateway, "buses",
+                  [&](const json::object& bus) { out += bus_line(bus, ages) + suspicion_line(bus); });
   std::vector<Cells> rows{{"drive", "bus", "node", "state", "boot", "heartbeat", "fresh", "running", "commanded"}};
   std::string below;
   for_each_object(*gateway, "drives", [&](const json::object& drive) {

@@ -7,8 +7,8 @@
 
 namespace gateway::control {
 
-WatchStream::WatchStream(const process::Plant& plant, std::string id, canopen::TimePoint started)
-    : plant_(plant), id_(std::move(id)), started_(started) {}
+WatchStream::WatchStream(const process::Plant& plant, std::string id, canopen::TimePoint started, Surveys surveys)
+    : plant_(plant), id_(std::move(id)), started_(started), surveys_(std::move(surveys)) {}
 
 bool WatchStream::take(std::string& lines) {
   if (!drive_) {
@@ -33,7 +33,7 @@ bool WatchStream::take(std::string& lines) {
 void WatchStream::begin() {
   drive_ = 0;
   hash_ = 0;
-  status_ = status_head(plant_, started_, canopen::Clock::now());
+  status_ = status_head(plant_, started_, canopen::Clock::now(), surveys_);
   for (std::size_t i = 0; i < plant_.model().buses.size(); ++i) {
     note(static_cast<std::size_t>(plant_.bus_state(i).condition));
   }

@@ -7,6 +7,7 @@
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
 #include "daemon/control/stream.h"
+#include "daemon/surveys.h"
 
 namespace gateway::control {
 
@@ -18,7 +19,7 @@ class WatchStream final : public Stream {
   static constexpr canopen::Duration kSilence = std::chrono::seconds(5);
 
   /// `id`: JSON text. `plant` outlives it.
-  WatchStream(const process::Plant& plant, std::string id, canopen::TimePoint started);
+  WatchStream(const process::Plant& plant, std::string id, canopen::TimePoint started, Surveys surveys = {});
 
   [[nodiscard]] bool take(std::string& lines) override;
   [[nodiscard]] canopen::Duration pace() const override { return kPace; }
@@ -33,6 +34,7 @@ class WatchStream final : public Stream {
   const process::Plant& plant_;
   std::string id_;
   canopen::TimePoint started_;
+  Surveys surveys_;
   std::optional<std::size_t> drive_;  ///< The next one to be worded; nothing: a status is to be begun.
   std::string status_;
   std::size_t hash_ = 0;  ///< Of all that is a change where it is another.

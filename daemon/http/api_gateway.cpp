@@ -2,6 +2,7 @@
 #include <string>
 
 #include "bridges/text/json_text.h"
+#include "daemon/bus_report.h"
 #include "daemon/http/respond.h"
 
 namespace gateway::http {
@@ -9,7 +10,8 @@ namespace {
 
 using text::ObjectText;
 
-void append_figures_of_bus(std::string& out, const process::Plant& plant, std::size_t index) {
+void append_figures_of_bus(std::string& out, const Site& site, std::size_t index) {
+  const process::Plant& plant = site.plant;
   const config::Bus& bus = plant.model().buses[index];
   const canopen::BusState& state = plant.bus_state(index);
   const canopen::BusStatistics counted = plant.bus_statistics(index);
@@ -28,6 +30,7 @@ void append_figures_of_bus(std::string& out, const process::Plant& plant, std::s
   object.integer("frames_received", counted.frames_received);
   object.integer("frames_sent", counted.frames_sent);
   object.integer("frames_lost", counted.frames_lost);
+  append_bus_summary(object, plant, index, site.survey);
   object.close();
 }
 
@@ -94,7 +97,7 @@ Answer gateway_figures(const Site& site) {
   object.text("version", site.version);
   object.key("health") += process::health_json(site.health());
   text::append_list(object.key("buses"), std::views::iota(std::size_t{0}, site.plant.model().buses.size()),
-                    [&site](std::string& to, std::size_t bus) { append_figures_of_bus(to, site.plant, bus); });
+                    [&site](std::string& to, std::size_t bus) { append_figures_of_bus(to, site, bus); });
   append_modbus_figures(object, site);
   append_mqtt_figures(object, site);
   append_journal_figures(object, site);

@@ -33,11 +33,13 @@ bool add_piece(Families& families, const Site& site, std::size_t piece) {
   if (piece == 0) {
     add_program(families, site);
     add_buses(families, site.plant);
+    add_bus_health(families, site);
     add_alarm_counts(families, site.plant);
     add_servers(families, site);
   } else {
     const process::Drive& drive = site.plant.drive(piece - 1);
     add_drive(families, site.plant, drive, canopen::Clock::now());
+    add_drive_health(families, site, drive);
     add_alarms(families, drive);
     add_commands(families, site, drive);
   }

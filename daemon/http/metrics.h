@@ -11,7 +11,9 @@ namespace gateway::http {
 
 // Its parts; those of drives for one drive at a time.
 void add_buses(Families& families, const process::Plant& plant);
+void add_bus_health(Families& families, const Site& site);
 void add_drive(Families& families, const process::Plant& plant, const process::Drive& drive, canopen::TimePoint now);
+void add_drive_health(Families& families, const Site& site, const process::Drive& drive);
 void add_alarm_counts(Families& families, const process::Plant& plant);
 void add_alarms(Families& families, const process::Drive& drive);
 void add_commands(Families& families, const Site& site, const process::Drive& drive);

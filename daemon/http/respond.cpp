@@ -28,6 +28,7 @@ constexpr std::array<Resource, 10> kResources{
      {"/health", [](const Site& site, const Target&) { return health(site); }},
      {"/api/drives", [](const Site& site, const Target&) { return drives(site); }},
      {"/api/gateway", [](const Site& site, const Target&) { return gateway_figures(site); }},
+     {"/api/buses", [](const Site& site, const Target&) { return buses(site); }},
      {"/api/alarms", [](const Site& site, const Target&) { return active_alarms(site); }},
      {"/api/map", [](const Site& site, const Target&) { return map(site); }},
      {"/api/history", [](const Site& site, const Target& target) { return history(site, target); }, kDrive},

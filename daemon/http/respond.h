@@ -20,6 +20,7 @@ namespace gateway::http {
 // One for each resource. `target` has the parameters that it knows.
 [[nodiscard]] Answer health(const Site& site);
 [[nodiscard]] Answer gateway_figures(const Site& site);
+[[nodiscard]] Answer buses(const Site& site);
 [[nodiscard]] Answer drives(const Site& site);
 [[nodiscard]] Answer drive(const Site& site, std::string_view name);
 [[nodiscard]] Answer active_alarms(const Site& site);

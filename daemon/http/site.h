@@ -15,6 +15,7 @@
 #include "daemon/http/command_tally.h"
 #include "daemon/http/page.h"
 #include "daemon/http/process_figures.h"
+#include "daemon/surveys.h"
 
 namespace trace {
 class Feed;
@@ -64,6 +65,7 @@ struct Site {
   std::function<const std::deque<std::string>&()> journal_lines{};  ///< The newest, oldest first.
   std::function<HttpFigures()> http{};
   trace::Feed* trace = nullptr;  ///< Only looks at the buses.
+  Surveys survey{};
 };
 
 }  // namespace gateway::http

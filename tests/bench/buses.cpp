@@ -1,4 +1,5 @@
-// What a frame costs with one, two and four buses of 126 drives each, from the link to the process image.
+// What a frame costs with one, two and four buses of 126 drives each, from the link to the process image; and what the
+// survey of a bus adds to it.
 
 #include <fmt/format.h>
 #include <time.h>
@@ -16,6 +17,7 @@
 #include "bridges/process/plant.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/link.h"
+#include "canopen/survey/bus_survey.h"
 #include "config/load.h"
 #include "tests/bench/parts.h"
 #include "tests/bench/rates.h"
@@ -159,6 +161,18 @@ class FullBuses {
     loop_.poll();
     return frames;
   }
+  /// Whether the buses are looked at.
+  void survey(bool on) {
+    surveys_.clear();
+    for (const auto& bus : buses_) {
+      if (on) {
+        surveys_.push_back(std::make_unique<canopen::BusSurvey>(
+            loop_.get_executor(), *bus,
+            canopen::BusSurvey::Handlers{.known = [] { return canopen::BusSurvey::Known{}; }}));
+        surveys_.back()->start();
+      }
+    }
+  }
   /// Nanoseconds of the processor a frame, of the fastest of some turns: what else runs on the machine stops us now and
   /// then, and empties the caches.
   double cost() {
@@ -177,6 +191,7 @@ class FullBuses {
   std::vector<FedLink*> links_;
   std::vector<std::unique_ptr<canopen::Bus>> buses_;
   std::unique_ptr<process::Plant> plant_;
+  std::vector<std::unique_ptr<canopen::BusSurvey>> surveys_;
 };
 
 }  // namespace
@@ -196,6 +211,22 @@ void buses() {
     fmt::print("frames to image, {} buses of {} drives: 1 bus {:.0f} ns a frame, {} buses {:.0f} ns, ratio {:.2f}\n",
                count, kDrives, median(costs_of_one), count, median(costs), median(ratios));
   }
+}
+
+void survey() {
+  FullBuses bus(1);
+  std::vector<double> ratios;
+  std::vector<double> without;
+  std::vector<double> with;
+  for (int round = 0; round < 15; ++round) {
+    bus.survey(false);
+    without.push_back(bus.cost());
+    bus.survey(true);
+    with.push_back(bus.cost());
+    ratios.push_back(with.back() / without.back());
+  }
+  fmt::print("frames to image, bus health: without {:.0f} ns a frame, with it {:.0f} ns, ratio {:.3f}\n",
+             median(without), median(with), median(ratios));
 }
 
 }  // namespace bench

@@ -23,6 +23,12 @@ test('a value that is not fresh is no number, and has no unit', () => {
   assert.equal(words.valueWithUnit(0, { scale: 0.1, unit: 'A' }), '0.0 A');
 });
 
+test('the margin of the drive that has the least, by its name where it has one', () => {
+  assert.equal(words.marginText({ node: 5, drive: 'pump1', least: 0.4123 }), '41 % (pump1)');
+  assert.equal(words.marginText({ node: 7, drive: null, least: 0 }), '0 % (node 7)');
+  assert.equal(words.marginText(null), words.NONE);
+});
+
 test('a time has its day where it is another one', () => {
   const time = new Date(2026, 0, 2, 3, 4, 5);
   assert.equal(words.clockText(time.toISOString(), new Date(2026, 0, 2, 23)), '03:04:05');

@@ -3,33 +3,10 @@
 # of its controller, a bus on which nobody acknowledges, bus-off, and an adapter that is pulled and plugged. Each is an
 # alarm, each ends, and no command leaves late but the one that the controller holds. Run inside tests/vcan/run.
 . "$(dirname "$0")/lib.sh"
-bridge=$(dirname "$gateway_bin")/../tests/vcan/slcan_bridge
+. "$(dirname "$0")/adapter_lib.sh"
 set_point='605#2[BF]302001'  # an SDO download of the frequency command
 traced=any  # What the driver was given is on the adapter's interface, what left on vcan0.
 left=' vcan0 ([2-5]05#|605#[0-3CD]|000#)'
-
-# The adapter with a console of its own, see slcan_bridge.cpp. The driver can echo on hand-over only.
-plug() {
-  [ -p "$work/adapter" ] || mkfifo "$work/adapter"
-  exec 8<>"$work/adapter"
-  "$bridge" vcan0 <"$work/adapter" >"$work/adapter.out" 2>"$work/adapter.err" &
-  started[adapter]=$!
-  wait_until 10 "the adapter's interface" grep -q . "$work/adapter.out"
-  can=$(head -n 1 "$work/adapter.out")
-  ip link set "$can" type can bitrate 125000 || fail "bit rate of $can"
-  ip link set "$can" txqueuelen 10 up || fail "no $can"
-}
-pull() {
-  kill "${started[adapter]}"
-  wait "${started[adapter]}" 2>/dev/null
-  unset "started[adapter]"
-}
-adapter() {
-  local before
-  before=$(wc -l <"$work/adapter.out")
-  printf '%s\n' "$*" >&8
-  wait_until 5 "the adapter takes '$*'" bash -c "[ \$(wc -l <'$work/adapter.out') -gt $before ]"
-}
 
 # bus_is NUMBER NAME: in the diagnostics, in the log, and as an alarm where it is one
 bus_is() {
@@ -45,7 +22,6 @@ command_later() { # command_later VALUE: the answer goes to $work/answer.VALUE
   write_registers 5 101 "$1" >"$work/answer.$1" &
 }
 
-modprobe slcan
 plug
 sed "s/\"vcan0\"/\"$can\"/" "$root/tests/system/gateway.toml" |
   awk '/^\[\[drive\]\]/ {drives++} drives == 0 || drives == 2' >"$work/gateway.toml"

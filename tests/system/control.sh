@@ -34,7 +34,7 @@ wait_until 10 "all four drives online" all_online
 expect "mode of the socket" 660 "$(stat -c %a "$socket")"
 table=$(ask_gateway status)
 expect_match "the table names the gateway" '^gateway line3 ' "$table"
-expect_match "and the bus" '^bus can0  error-active  load [0-9.]+ %$' "$table"
+expect_match "and the bus" '^bus can0  error-active  load [0-9.]+ %  heartbeat margin [0-9]+ % \([a-z0-9]+\)$' "$table"
 expect_match "and each drive" '^pump1 +can0 +5 +operational +ok +[0-9.]+ s +yes +no' "$table"
 
 say "every program of this machine may send on CAN, as the security guide says"

@@ -51,15 +51,18 @@ TEST_F(SlcanLinkTest, StatesComeFromTheController) {
   expect_lasting(BusCondition::bus_off);
 }
 
-TEST_F(SlcanLinkTest, AMissingAcknowledgementIsToldAndNoOtherBitError) {
+TEST_F(SlcanLinkTest, AMissingAcknowledgementIsToldApart) {
   open(adapter->interface());
   expect(BusCondition::error_active);
-  adapter->say("e2bo");  // A bit error and an overrun: of these the overrun alone is asked for.
+  adapter->say("e2bo");  // A bit error and an overrun, in one frame.
   ASSERT_TRUE(run_until([&] { return events.lost == 1; }));
   EXPECT_EQ(events.error_signs, std::vector<ErrorSign>{ErrorSign::other});
   adapter->say("e1a");
   ASSERT_TRUE(run_until([&] { return events.error_signs.size() == 2; }));
   EXPECT_EQ(events.error_signs.back(), ErrorSign::not_acknowledged);
+  adapter->say("e1s");
+  ASSERT_TRUE(run_until([&] { return events.error_signs.size() == 3; }));
+  EXPECT_EQ(events.error_signs.back(), ErrorSign::other);
   EXPECT_TRUE(events.is(BusCondition::error_active));
 }
 

@@ -42,6 +42,10 @@ BusState after_error_frame(const BusState& before, const Frame& frame) noexcept 
   return after;
 }
 
+bool tells_more_than_an_error(const Frame& frame) noexcept {
+  return (frame.id & (CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK)) != 0;
+}
+
 bool tells_no_acknowledge(const Frame& frame) noexcept {
   return (frame.id & CAN_ERR_ACK) != 0;
 }

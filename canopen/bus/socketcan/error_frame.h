@@ -9,6 +9,10 @@ namespace canopen::socketcan {
 /// the counters in data[6] (transmit) and data[7] (receive). Frames that tell of something else change nothing.
 [[nodiscard]] BusState after_error_frame(const BusState& before, const Frame& frame) noexcept;
 
+/// Of something else than a single error of the wire: of such ones there may be thousands a second, and the counters
+/// that come with them are asked for anyway.
+[[nodiscard]] bool tells_more_than_an_error(const Frame& frame) noexcept;
+
 /// Nobody acknowledged a frame of ours.
 [[nodiscard]] bool tells_no_acknowledge(const Frame& frame) noexcept;
 

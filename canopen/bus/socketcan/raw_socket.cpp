@@ -13,10 +13,10 @@
 namespace canopen::socketcan {
 namespace {
 
-// Changes of state, lost frames, and frames that nobody acknowledged. CAN_ERR_BUSERROR and its kind tell of single bit
-// errors, thousands a second where `berr-reporting` is on, and nothing that the counters do not tell. CAN_ERR_ACK may
-// come as often, but only where nobody else is on the bus.
-constexpr can_err_mask_t kErrorClasses = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK;
+// Changes of state, lost frames, frames that nobody acknowledged, and single errors of the wire, whose kinds tell what
+// is wrong with it. The latter come where the driver tells of them (`berr-reporting`), at worst about as often as
+// frames on a full bus; nothing is done about one but counting it.
+constexpr can_err_mask_t kErrorClasses = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK | CAN_ERR_PROT;
 
 // Raised by the kernel to its minimum, room for about six frames: what waits must wait in our own queue.
 constexpr int kSendBuffer = 1;

@@ -307,7 +307,7 @@ void SocketCanLink::on_error_frame(const Received& error) {
   if (socketcan::tells_overrun(frame)) {
     events_->on_frames_lost(1);
   }
-  if (told_ && told_->condition != BusCondition::down) {
+  if (told_ && told_->condition != BusCondition::down && socketcan::tells_more_than_an_error(frame)) {
     tell(socketcan::after_error_frame(*told_, frame));
   }
 }

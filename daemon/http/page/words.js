@@ -50,6 +50,11 @@ export function percentText(share) {
   return share === null || share === undefined ? NONE : `${(share * 100).toFixed(1)} %`;
 }
 
+/** Of the drive that has the least. */
+export function marginText(margin) {
+  return margin ? `${(margin.least * 100).toFixed(0)} % (${margin.drive ?? `node ${margin.node}`})` : NONE;
+}
+
 /** What a drive does, in a word, and how that is meant: good, busy, warn, bad, off. */
 export function driveState(drive) {
   if (!drive.enabled) {

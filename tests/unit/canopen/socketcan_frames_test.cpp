@@ -83,6 +83,13 @@ TEST(ErrorFrames, AMissingAcknowledgementIsToldApart) {
   EXPECT_FALSE(tells_no_acknowledge(error_frame(CAN_ERR_PROT | CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE, 128, 0)));
 }
 
+TEST(ErrorFrames, ASingleErrorTellsNothingOfTheState) {
+  EXPECT_FALSE(tells_more_than_an_error(error_frame(CAN_ERR_PROT | CAN_ERR_BUSERROR, 0, 8, 0)));
+  for (const canid_t id : {CAN_ERR_CRTL, CAN_ERR_BUSOFF, CAN_ERR_RESTARTED, CAN_ERR_ACK}) {
+    EXPECT_TRUE(tells_more_than_an_error(error_frame(id | CAN_ERR_PROT, 0, 0, 0)));
+  }
+}
+
 TEST(ErrorFrames, AnOverrunIsToldApart) {
   EXPECT_TRUE(tells_overrun(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, 0, 0)));
   EXPECT_FALSE(tells_overrun(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_OVERFLOW, 0, 0)));

@@ -8,8 +8,9 @@ namespace {
 TEST(ControlStatusTable, ShowsDrivesAndBelowWhatIsWrong) {
   const std::string status =
       R"({"ts":"2026-01-02T03:04:05.678Z","gateway":"line3","version":"0.1.0","uptime":12.3,)"
-      R"("buses":[{"name":"can0","up":true,"state":"error-active","load":27.3},)"
-      R"({"name":"can1","up":false,"state":"down","load":null}],)"
+      R"("buses":[{"name":"can0","up":true,"state":"error-active","load":27.3,)"
+      R"("suspicion":"wiring may be bad: it crackles","heartbeat_margin":{"node":5,"drive":"pump1","least":0.4123}},)"
+      R"({"name":"can1","up":false,"state":"down","load":null,"suspicion":null,"heartbeat_margin":null}],)"
       R"("drives":[{"name":"pump1","bus":"can0","node":5,"online":true,"nmt":"operational",)"
       R"("boot":"ok","boot_text":"","heartbeat_age":0.2,"fresh":true,)"
       R"("values":{"running":true,"output_frequency":39.20},)"
@@ -23,7 +24,8 @@ TEST(ControlStatusTable, ShowsDrivesAndBelowWhatIsWrong) {
       R"("since":"2026-01-02T03:04:06.000Z","first":false}]}]})";
   EXPECT_EQ(status_table(status),
             "gateway line3 0.1.0, up 12.3 s\n"
-            "bus can0  error-active  load 27.3 %\n"
+            "bus can0  error-active  load 27.3 %  heartbeat margin 41 % (pump1)\n"
+            "bus can0  suspicion: wiring may be bad: it crackles\n"
             "bus can1  down\n"
             "drive  bus   node  state        boot  heartbeat  fresh  running  commanded\n"
             "pump1  can0  5     operational  ok    0.2 s      yes    yes      frequency_command 39.2, control_command "

@@ -73,7 +73,8 @@ class ShownPlant : public gateway::test::DemoPlant {
              .version = "1.2.3",
              .map = render_map_json(model_),
              .health = [this] { return gateway_.health(); },
-             .history = [this](std::size_t drive) { return history_.json(drive); }};
+             .history = [this](std::size_t drive) { return history_.json(drive); },
+             .survey = [this](std::size_t bus) -> const canopen::BusSurvey& { return gateway_.survey(bus); }};
 };
 
 }  // namespace gateway::http::test

@@ -1,0 +1,59 @@
+#include "daemon/surveys.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+
+#include "bridges/process/plant.h"
+#include "canopen/bus/bus.h"
+#include "canopen/survey/bus_survey.h"
+
+namespace gateway {
+namespace {
+
+using canopen::BusSurvey;
+
+BusSurvey::Known known_of(const process::Plant& plant, std::size_t bus, const canopen::BusTroubles& troubles) {
+  BusSurvey::Known known{.troubles = troubles};
+  canopen::Doubled surest = canopen::Doubled::no;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    const process::Drive& drive = plant.drive(i);
+    if (drive.model().bus != bus) {
+      continue;
+    }
+    const canopen::NodeStatus& status = drive.status();
+    const std::uint8_t node = drive.model().node.node;
+    known.served.set(node, status.online);
+    if (status.doubled > surest) {
+      surest = status.doubled;
+      known.doubled = canopen::DoubledSign{.node = node, .text = status.doubled_text};
+    }
+  }
+  return known;
+}
+
+}  // namespace
+
+std::unique_ptr<BusSurvey> make_survey(const boost::asio::any_io_executor& executor, canopen::Bus& bus,
+                                       const process::Plant& plant, std::size_t index,
+                                       const canopen::BusTroubles& troubles) {
+  const std::string name = plant.model().buses[index].name;
+  auto survey = std::make_unique<BusSurvey>(
+      executor, bus,
+      BusSurvey::Handlers{
+          .known = [&plant, &troubles, index] { return known_of(plant, index, troubles); },
+          .began = [name](const canopen::Suspicion& began) { spdlog::warn("{}: suspicion: {}", name, began.text()); },
+          .ended =
+              [name](const canopen::Suspicion& ended) {
+                spdlog::info("{}: no sign any more of the suspicion that {}", name, describe(ended.kind));
+              }});
+  for (const config::Drive& drive : plant.model().drives) {
+    if (drive.bus == index && drive.enabled) {
+      survey->set_timeout(drive.node.node, drive.node.error_control.heartbeat_timeout);
+    }
+  }
+  return survey;
+}
+
+}  // namespace gateway
