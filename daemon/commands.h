@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,13 @@ namespace gateway {
 
 /// `check`: findings, then `ok: …` on standard output.
 [[nodiscard]] int check(const Options& options);
+
+/// `check --live`: the same, and how the drives of the running gateway differ from the configuration. `control`: its
+/// socket; empty: as the configuration says.
+[[nodiscard]] int check_live(const Options& options, const std::filesystem::path& control);
+
+/// Findings as `check` prints them, each a line.
+[[nodiscard]] std::string text_of(const config::Findings& findings);
 
 /// `map`: every signal with its object, Modbus address and topics, in one of the formats of map.h.
 [[nodiscard]] int show_map(const Options& options, const std::string& format);

@@ -63,6 +63,7 @@ struct CommandLine {
   std::string nmt_command;
   gateway::control::SdoOrder sdo;
   bool as_json = false;
+  bool live = false;
 };
 
 // What goes through the running daemon.
@@ -130,7 +131,9 @@ void describe(CLI::App& app, CommandLine& line) {
   app.add_flag("--verbose", line.options.verbose, "Log debug messages too");
 
   app.add_subcommand("run", "The daemon, in the foreground");
-  app.add_subcommand("check", "Validate the configuration and every profile it names");
+  CLI::App* const check = add_asking(app, line, "check", "Validate the configuration and every profile it names");
+  CLI::Option* const live = check->add_flag("--live", line.live, "Compare with the drives of the running daemon too");
+  check->get_option("--control")->needs(live);
   CLI::App* const map = app.add_subcommand("map", "Every signal with its object, Modbus address and MQTT topics");
   map->add_option("--format", line.map_format, "table, json, csv or markdown")
       ->check(CLI::IsMember({"table", "json", "csv", "markdown"}))
@@ -156,7 +159,7 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
     return gateway::run(line.options);
   }
   if (app.got_subcommand("check")) {
-    return gateway::check(line.options);
+    return line.live ? gateway::check_live(line.options, line.control) : gateway::check(line.options);
   }
   if (app.got_subcommand("map")) {
     return gateway::show_map(line.options, line.map_format);
