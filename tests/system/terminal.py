@@ -210,24 +210,28 @@ def page_of(name):
 
 
 def without_a_terminal():
-    closed = launched(name='closed', stdin=None, preexec_fn=lambda: os.close(0))
-    nohup = launched(name='nohup', stdin=subprocess.DEVNULL,
-                     preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
-    piped = launched(name='piped', stdin=subprocess.PIPE)
-    pages = {name: page_of(name) for name in ('closed', 'nohup', 'piped')}
+    pages = {}
+    demos = {}
+    for name, options in (
+            ('closed', {'stdin': None, 'preexec_fn': lambda: os.close(0)}),
+            ('nohup', {'stdin': subprocess.DEVNULL,
+                       'preexec_fn': lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)}),
+            ('piped', {'stdin': subprocess.PIPE})):
+        demos[name] = launched(name=name, **options)
+        pages[name] = page_of(name)
+        until(f'{name}: all drives are online', lambda page=pages[name]: online(page))
     expect('three demos have three pages', len(set(pages.values())) == 3, pages)
-    for name, page in pages.items():
-        until(f'{name}: all drives are online', lambda: online(page))
     with open(os.path.join(WORK, 'piped')) as text:
         expect('the next one says where it is', 'is taken, by another demo or gateway perhaps' in text.read())
-    nohup.send_signal(signal.SIGHUP)
+    demos['nohup'].send_signal(signal.SIGHUP)
+    piped = demos['piped']
     piped.stdin.write(b'list\n')
     piped.stdin.flush()
     until('what comes by a pipe is answered',
           lambda: 'node=30 kind=' in open(os.path.join(WORK, 'piped')).read())
     piped.stdin.close()
     time.sleep(0.5)
-    for name, demo in (('closed', closed), ('nohup', nohup), ('piped', piped)):
+    for name, demo in demos.items():
         expect(f'{name}: it goes on', demo.poll() is None and online(pages[name]))
         demo.send_signal(signal.SIGTERM)
         expect(f'{name}: it ends in order', demo.wait(SECONDS) == 0)
