@@ -33,15 +33,18 @@ Loaded load_text(std::string_view text, const LoadOptions& options, ProfileLibra
   model.modbus = read_modbus(root, report);
   model.mqtt = read_mqtt(root, options.file.parent_path(), options.with_secrets, report);
   model.http = read_http(root, model.modbus, report);
+  std::vector<DriveNotes> notes;
   for (const Node* const table : read_tables(root, "drive")) {
-    model.drives.push_back(build_drive(*table, model.drives.size() + 1, model, library, report));
+    BuiltDrive built = build_drive(*table, model.drives.size() + 1, model, library, report);
+    model.drives.push_back(std::move(built.drive));
+    notes.push_back(std::move(built.notes));
   }
   check_drives(model, root, report);
   if (report.has_errors()) {
     return {.model = std::nullopt, .findings = report.take()};
   }
   advise_on_load(model, root, report);
-  return {.model = std::move(model), .findings = report.take()};
+  return {.model = std::move(model), .findings = report.take(), .notes = std::move(notes)};
 }
 
 Loaded load_text(std::string_view text, const LoadOptions& options) {

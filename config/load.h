@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/drive_notes.h"
 #include "config/model.h"
 #include "config/toml/report.h"
 
@@ -21,8 +22,9 @@ struct LoadOptions {
 };
 
 struct Loaded {
-  std::optional<Model> model;  ///< Present where no finding is an error.
-  Findings findings;           ///< All of them, in order of place.
+  std::optional<Model> model;       ///< Present where no finding is an error.
+  Findings findings;                ///< All of them, in order of place.
+  std::vector<DriveNotes> notes{};  ///< Of the model's drives, in their order.
 };
 
 [[nodiscard]] Loaded load(const LoadOptions& options);

@@ -6,12 +6,17 @@
 
 namespace gateway {
 
-int check(const Options& options) {
-  const config::Loaded loaded = config::load(load_options(options));
+std::string text_of(const config::Findings& findings) {
   std::string text;
-  for (const config::Finding& finding : loaded.findings) {
+  for (const config::Finding& finding : findings) {
     text += with_priority(STDOUT_FILENO, finding.level, to_string(finding)) + "\n";
   }
+  return text;
+}
+
+int check(const Options& options) {
+  const config::Loaded loaded = config::load(load_options(options));
+  std::string text = text_of(loaded.findings);
   if (loaded.model) {
     text += config::summary(*loaded.model) + "\n";
   }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,13 @@ namespace gateway {
 
 /// `check`: findings, then `ok: …` on standard output.
 [[nodiscard]] int check(const Options& options);
+
+/// `check --live`: the same, and how the drives of the running gateway differ from the configuration. `control`: its
+/// socket; empty: as the configuration says.
+[[nodiscard]] int check_live(const Options& options, const std::filesystem::path& control);
+
+/// Findings as `check` prints them, each a line.
+[[nodiscard]] std::string text_of(const config::Findings& findings);
 
 /// `doctor`: what on this machine would keep the gateway from working; looks only, and sends nothing on a bus. Listens
 /// on each for `listening`.

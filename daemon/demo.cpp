@@ -4,12 +4,15 @@
 #include <boost/asio/io_context.hpp>
 #include <exception>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "canopen/bus/virtual_link.h"
 #include "daemon/commands.h"
 #include "daemon/demo_config.h"
 #include "daemon/demo_screen.h"
+#include "daemon/demo_site.h"
 #include "daemon/descriptors.h"
 #include "daemon/gateway.h"
 #include "daemon/log.h"
@@ -17,22 +20,26 @@
 #include "daemon/simulated_site.h"
 #include "daemon/stop_signal.h"
 #include "daemon/temporary_directory.h"
+#include "daemon/terminal.h"
 
 namespace gateway {
 namespace {
 
-std::optional<config::Model> demo_model(const Options& options) {
-  if (options.config_given) {
-    return load_or_complain(options, Secrets::read);
-  }
+config::Loaded load_demo(const Options& options) {
   config::LoadOptions load = load_options(options);
+  load.with_secrets = true;
+  if (options.config_given) {
+    config::Loaded loaded = config::load(load);
+    show_findings(loaded.findings);
+    return loaded;
+  }
   load.file = "demo.toml";
   config::Loaded loaded = config::load_text(demo_config(), load);
   // Its warnings tell a plant what to look at; a demo has none to lose.
   if (!loaded.model) {
     show_findings(loaded.findings);
   }
-  return std::move(loaded.model);
+  return loaded;
 }
 
 /// The demo's buses: in-process ones, whatever interface the configuration names.
@@ -64,11 +71,18 @@ void add_drives(SimulatedSite& site, DemoBuses& buses, const config::Model& mode
 
 int demo(const Options& options) {
   // Before anything is told or made: whoever sees a line of ours may end us, and the directory is to go.
+  outlive_job_control();
   boost::asio::io_context loop(1);
-  StopSignal stop(loop.get_executor());
-  std::optional<config::Model> model = demo_model(options);
-  if (!model) {
+  StopSignal stop(loop.get_executor(), StopSignal::HangUp::ends_it);
+  config::Loaded loaded = load_demo(options);
+  if (!loaded.model) {
     return kConfigurationError;
+  }
+  config::Model* const model = &*loaded.model;
+  make_demo(*model);
+  std::string guide;
+  for (const std::string& told : step_aside(*model)) {
+    guide += told + "\n";
   }
   // The demo leaves no trace, and does not get in the way of the gateway that this machine may run.
   const TemporaryDirectory directory;
@@ -86,10 +100,11 @@ int demo(const Options& options) {
     return kConfigurationError;
   }
   Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) { return buses.connect(bus); }, "");
+  guide = demo_guide(*model, loaded.notes) + guide;
+  DemoScreen screen(loop.get_executor(), gateway.plant(), std::move(guide), show, isatty(STDOUT_FILENO) == 1);
+  screen.start();  // before the log has a line: it begins with the address of the page
   gateway.start();
   site.start();
-  DemoScreen screen(loop.get_executor(), gateway.plant(), show, isatty(STDOUT_FILENO) == 1);
-  screen.start();
   boost::asio::co_spawn(
       loop,
       [](Gateway& running, StopSignal& told) -> boost::asio::awaitable<void> {

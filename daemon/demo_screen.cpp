@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -48,60 +47,66 @@ std::string alarms_of(const process::Drive& drive) {
   return text;
 }
 
-// One drive's commands in the words of its own control word.
-struct ControlWords {
-  std::string_view profile;
-  std::string_view setpoint;
-  int run;
-  int stop;
-  int reset;  ///< Of a fault.
-  double example;
-  bool staged;  ///< CiA 402: shutdown and switch on come before, and a fault reset is an edge.
-};
-constexpr std::array<ControlWords, 4> kControlWords{{{"veichi-ac300", "frequency_command", 1, 5, 7, 40.0, false},
-                                                     {"veichi-ac310", "frequency_command", 1, 5, 7, 40.0, false},
-                                                     {"invt-goodrive600", "frequency_command", 1, 5, 7, 40.0, false},
-                                                     {"vacon-opte6", "target_velocity", 127, 6, 128, 900.0, true}}};
+/// A drive with what its profile says of how to try it.
+struct Tried {
+  const config::Drive& drive;
+  const config::Trial& trial;
 
-const ControlWords* control_words(const config::Drive& drive) noexcept {
-  for (const ControlWords& words : kControlWords) {
-    if (words.profile == drive.profile) {
-      return &words;
+  [[nodiscard]] bool can_run() const {
+    return !trial.run.empty() && !trial.setpoint.empty() && drive.find(trial.setpoint).has_value();
+  }
+  /// Other values come before the one that runs it (CiA 402: shutdown, switch on).
+  [[nodiscard]] bool in_steps() const noexcept { return trial.run.size() > 1; }
+};
+
+// Of a control command, as it is commanded: named where the site knows its names.
+std::string command_of(const config::Drive& drive, std::int64_t value) {
+  const auto id = drive.find("control_command");
+  if (id) {
+    const auto& names = drive.signals[*id].values;
+    if (const auto name = names.find(value); name != names.end()) {
+      return name->second;
     }
   }
-  return nullptr;
+  return std::to_string(value);
 }
 
 // The lines carry no ids: so they may be given again and again.
-void add_mqtt_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
-  const ControlWords* const words = control_words(drive);
-  if (words == nullptr) {
+void add_mqtt_lines(std::string& text, const config::Model& model, const Tried& tried) {
+  const config::Drive& drive = tried.drive;
+  const config::Trial& trial = tried.trial;
+  if (!tried.can_run()) {
     return;
   }
   const std::string at = fmt::format("-h {} -p {}", model.mqtt->brokers.front().host, model.mqtt->brokers.front().port);
   const std::string topics = model.mqtt->base + "/" + model.gateway.name + "/" + drive.name;
   const std::string to = fmt::format("  mosquitto_pub {} -t {}", at, topics);
   const std::string alarm = fmt::format("  mosquitto_sub {} -C 1 -t {}/alarm/emcy\n", at, topics);
-  if (words->staged) {
-    text += fmt::format("{0}/control_command/set -m 6   # shutdown\n{0}/control_command/set -m 7   # switch on\n", to);
+  const auto add_command = [&](std::int64_t value, std::string_view comment) {
+    text += fmt::format("{}/control_command/set -m {}{}\n", to, value, comment);
+  };
+  for (std::size_t i = 0; i + 1 < trial.run.size(); ++i) {
+    add_command(trial.run[i], "   # before it runs");
   }
-  text += fmt::format("{}/set -m '{{\"{}\":{:.1f},\"control_command\":{}}}'   # run\n", to, words->setpoint,
-                      words->example, words->run);
-  text += fmt::format("{}/control_command/set -m {}   # stop\n", to, words->stop);
+  text += fmt::format("{}/set -m '{{\"{}\":{:.1f},\"control_command\":{}}}'   # run\n", to, trial.setpoint, trial.value,
+                      trial.run.back());
+  if (const auto stop = canopen::first_stop(drive.node.motor)) {
+    add_command(static_cast<std::int64_t>(*stop), "   # stop");
+  }
   if (drive.commands.raw) {  // A fault from outside: the simulated drives' own object, reached by an SDO request.
     text += fmt::format(
         "{}/sdo/request -m '{{\"op\":\"write\",\"object\":\"{}\",\"type\":\"u16\",\"value\":5}}'   # it trips\n", to,
         to_string(canopen::ObjectAddress{simulator::kTroubleObject.index, simulator::kTroubleObject.sub}));
     text += alarm;
   }
-  if (words->staged) {
-    text += fmt::format("{}/control_command/set -m 0   # before a fault reset, which is a rising bit 7\n", to);
+  for (std::size_t i = 0; i < trial.reset.size(); ++i) {
+    add_command(trial.reset[i], i + 1 < trial.reset.size() ? "   # before a fault reset" : "   # fault reset");
   }
-  text += fmt::format("{}/control_command/set -m {}   # fault reset\n", to, words->reset);
   text += alarm;
 }
 
-void add_modbus_lines(std::string& text, const config::Model& model, const config::Drive& drive) {
+void add_modbus_lines(std::string& text, const config::Model& model, const Tried& tried) {
+  const config::Drive& drive = tried.drive;
   const config::Endpoint& endpoint = model.modbus->listen.front();
   const auto add = [&](std::string_view signal, std::string_view value) {
     const auto id = drive.find(signal);
@@ -113,9 +118,9 @@ void add_modbus_lines(std::string& text, const config::Model& model, const confi
   add("status_word", "");
   add("output_frequency", "");
   add("actual_velocity", "");
-  if (const ControlWords* const words = control_words(drive); words != nullptr && !words->staged) {
-    add("frequency_command", " 2500");
-    add("control_command", fmt::format(" {}", words->run));
+  if (const auto setpoint = drive.find(tried.trial.setpoint); setpoint && tried.can_run() && !tried.in_steps()) {
+    add(tried.trial.setpoint, fmt::format(" {:.0f}", tried.trial.value / drive.signals[*setpoint].scale));
+    add("control_command", fmt::format(" {}", tried.trial.run.back()));
   }
 }
 
@@ -127,16 +132,17 @@ std::string own_path() {
 }
 
 // The same by the program itself, through the control socket.
-std::string control_lines(const config::Model& model) {
+std::string control_lines(const config::Model& model, std::span<const config::DriveNotes> notes) {
   const std::string& socket = model.gateway.control;
   const std::string program = own_path();
   std::string text = fmt::format("\nHow everything is:\n  {} status --control {}\n", program, socket);
-  for (const config::Drive& drive : model.drives) {
-    const ControlWords* const words = control_words(drive);
-    if (words != nullptr && !words->staged && drive.commands.writers.local) {
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    const Tried tried{model.drives[i], notes[i].trial};
+    const config::Drive& drive = tried.drive;
+    if (tried.can_run() && !tried.in_steps() && drive.commands.writers.local) {
       return text +
              fmt::format("  {} set {} {}={:.1f} control_command={} --control {}   # run\n", program, drive.name,
-                         words->setpoint, words->example, words->run, socket) +
+                         tried.trial.setpoint, tried.trial.value, command_of(drive, tried.trial.run.back()), socket) +
              fmt::format("  {} stop --control {}   # all of them\n", program, socket);
     }
   }
@@ -151,12 +157,16 @@ std::string http_address(const config::Endpoint& endpoint) {
 
 }  // namespace
 
-DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, Output out,
-                       bool often)
-    : plant_(plant), out_(std::move(out)), timer_(executor), period_(often ? kOften : kSeldom) {}
+DemoScreen::DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::string guide,
+                       Output out, bool often)
+    : plant_(plant),
+      guide_(std::move(guide)),
+      out_(std::move(out)),
+      timer_(executor),
+      period_(often ? kOften : kSeldom) {}
 
 void DemoScreen::start() {
-  out_(demo_guide(plant_.model()));
+  out_(guide_);
   show();
 }
 
@@ -175,14 +185,18 @@ void DemoScreen::show() {
   });
 }
 
-std::string demo_guide(const config::Model& model) {
+std::string demo_guide(const config::Model& model, std::span<const config::DriveNotes> notes) {
   const std::size_t drives = model.drives.size();
-  std::string text = fmt::format("{} simulated {} and the gateway on an in-process CAN bus.\n", drives,
-                                 drives == 1 ? "drive" : "drives");
+  std::string text;
+  if (model.http) {
+    text += fmt::format("The page: {}/\n", http_address(model.http->listen));
+  }
+  text += fmt::format("{} simulated {} and the gateway on an in-process CAN bus.\n", drives,
+                      drives == 1 ? "drive" : "drives");
   text +=
       fmt::format("Here, `{0} fault 4` trips node {0}, and `help` lists what else can be done. In another terminal:\n",
                   model.drives.front().node.node);
-  text += control_lines(model);
+  text += control_lines(model, notes);
   if (model.mqtt) {
     text += fmt::format("\nEverything the gateway publishes:\n  mosquitto_sub -h {} -p {} -v -t '{}/{}/#'\n",
                         model.mqtt->brokers.front().host, model.mqtt->brokers.front().port, model.mqtt->base,
@@ -193,13 +207,15 @@ std::string demo_guide(const config::Model& model) {
         "\nThe same to look at, and what Prometheus reads:\n  curl {0}/api/drives/{1}\n  curl {0}/metrics\n",
         http_address(model.http->listen), model.drives.front().name);
   }
-  for (const config::Drive& drive : model.drives) {
+  for (std::size_t i = 0; i < drives; ++i) {
+    const config::Drive& drive = model.drives[i];
+    const Tried tried{drive, notes[i].trial};
     text += fmt::format("\n{} ({}, node {}):\n", drive.name, drive.profile, drive.node.node);
     if (model.modbus && drive.unit) {
-      add_modbus_lines(text, model, drive);
+      add_modbus_lines(text, model, tried);
     }
     if (model.mqtt) {
-      add_mqtt_lines(text, model, drive);
+      add_mqtt_lines(text, model, tried);
     }
   }
   return text + "\n";

@@ -2,11 +2,13 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
+#include "config/drive_notes.h"
 
 namespace gateway {
 
@@ -15,8 +17,9 @@ class DemoScreen {
  public:
   using Output = std::function<void(std::string_view text)>;
 
-  /// `often`: for a terminal, every other second; else every ten.
-  DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, Output out, bool often);
+  /// `guide` comes first. `often`: for a terminal, every other second; else every ten.
+  DemoScreen(const boost::asio::any_io_executor& executor, const process::Plant& plant, std::string guide, Output out,
+             bool often);
 
   void start();
   void stop();
@@ -25,13 +28,15 @@ class DemoScreen {
   void show();
 
   const process::Plant& plant_;
+  std::string guide_;
   Output out_;
   canopen::Timer timer_;
   canopen::Duration period_;
 };
 
-/// Commands for another terminal, made from the model's own addresses and topics.
-[[nodiscard]] std::string demo_guide(const config::Model& model);
+/// The page's address, and commands for another terminal, made from the model's own addresses and topics. `notes` are
+/// those of its drives.
+[[nodiscard]] std::string demo_guide(const config::Model& model, std::span<const config::DriveNotes> notes);
 /// One line for each drive.
 [[nodiscard]] std::string demo_table(const process::Plant& plant, canopen::TimePoint now);
 

@@ -83,6 +83,7 @@ struct CommandLine {
   std::vector<std::string> cob_ids;
   bool raw = false;
   bool of_buses = false;
+  bool live = false;
 };
 
 // What goes through the running daemon.
@@ -200,7 +201,9 @@ void describe(CLI::App& app, CommandLine& line) {
   app.add_flag("--verbose", line.options.verbose, "Log debug messages too");
 
   app.add_subcommand("run", "The daemon, in the foreground");
-  app.add_subcommand("check", "Validate the configuration and every profile it names");
+  CLI::App* const check = add_asking(app, line, "check", "Validate the configuration and every profile it names");
+  CLI::Option* const live = check->add_flag("--live", line.live, "Compare with the drives of the running daemon too");
+  check->get_option("--control")->needs(live);
   CLI::App* const doctor = app.add_subcommand("doctor", "What on this machine would keep the gateway from working");
   doctor->add_option("--listen", line.listening, "How long to listen on each bus, up to 60s")
       ->check(CLI::Validator(check_listening, "DURATION"))
@@ -230,7 +233,7 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
     return gateway::run(line.options);
   }
   if (app.got_subcommand("check")) {
-    return gateway::check(line.options);
+    return line.live ? gateway::check_live(line.options, line.control) : gateway::check(line.options);
   }
   if (app.got_subcommand("doctor")) {
     return gateway::examine(line.options, parse_listening(line.listening).value());

@@ -1,10 +1,13 @@
 #include "daemon/output.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <utility>
+
+#include "daemon/terminal.h"
 
 namespace gateway {
 namespace {
@@ -21,9 +24,8 @@ std::error_code wait_until_writable(int descriptor, std::chrono::milliseconds pa
   return ready > 0 || errno == EINTR ? std::error_code() : std::error_code(errno, std::generic_category());
 }
 
-}  // namespace
-
-std::error_code write_text(int descriptor, std::string_view text, std::chrono::milliseconds patience) {
+// What was not written is left in `text`.
+std::error_code write_some(int descriptor, std::string_view& text, std::chrono::milliseconds patience) {
   while (!text.empty()) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
     if (written >= 0) {
@@ -39,27 +41,53 @@ std::error_code write_text(int descriptor, std::string_view text, std::chrono::m
   return {};
 }
 
+}  // namespace
+
+std::error_code write_text(int descriptor, std::string_view text, std::chrono::milliseconds patience) {
+  return write_some(descriptor, text, patience);
+}
+
 void print(std::string_view text) {
   if (const std::error_code failure = write_text(STDOUT_FILENO, text, kForEver)) {
     throw std::system_error(failure, "standard output");
   }
 }
 
-LiveOutput::LiveOutput(int descriptor, std::function<void()> on_failure, std::chrono::milliseconds patience)
-    : descriptor_(descriptor), on_failure_(std::move(on_failure)), patience_(patience) {}
+LiveOutput::LiveOutput(int descriptor, std::function<void()> on_failure)
+    : own_(reopen(descriptor, O_WRONLY)),
+      descriptor_(own_ >= 0 ? own_ : descriptor),
+      on_failure_(std::move(on_failure)) {}
+
+LiveOutput::~LiveOutput() {
+  if (own_ >= 0) {
+    ::close(own_);
+  }
+}
 
 void LiveOutput::write(std::string_view text) {
   if (failure_) {
     return;
   }
-  const std::error_code outcome = write_text(descriptor_, text, patience_);
+  if (waiting_.size() + text.size() <= kMostWaiting) {
+    waiting_ += text;
+  }
+  write_on(std::chrono::milliseconds(0));
+}
+
+void LiveOutput::write_on(std::chrono::milliseconds patience) {
+  std::string_view left = waiting_;
+  const std::error_code outcome = write_some(descriptor_, left, patience);
+  waiting_.erase(0, waiting_.size() - left.size());
   if (outcome && outcome != std::errc::timed_out) {
     failure_ = outcome;
     on_failure_();
   }
 }
 
-void LiveOutput::require_written() const {
+void LiveOutput::require_written() {
+  if (!failure_) {
+    write_on(kPatience);
+  }
   if (failure_) {
     throw std::system_error(failure_, "standard output");
   }

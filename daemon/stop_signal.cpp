@@ -6,7 +6,14 @@
 
 namespace gateway {
 
-StopSignal::StopSignal(const boost::asio::any_io_executor& executor) : signals_(executor, SIGINT, SIGTERM) {}
+StopSignal::StopSignal(const boost::asio::any_io_executor& executor, HangUp hang_up)
+    : signals_(executor, SIGINT, SIGTERM) {
+  struct sigaction now{};
+  const bool outlives = ::sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+  if (hang_up == HangUp::ends_it && !outlives) {
+    signals_.add(SIGHUP);
+  }
+}
 
 void StopSignal::stop() {
   stopped_ = true;

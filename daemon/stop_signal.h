@@ -3,6 +3,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <cstdint>
 
 namespace gateway {
 
@@ -10,7 +11,12 @@ namespace gateway {
 /// anybody waits is kept.
 class StopSignal {
  public:
-  explicit StopSignal(const boost::asio::any_io_executor& executor);
+  /// What the end of its terminal (SIGHUP) is to a command.
+  enum class HangUp : std::uint8_t {
+    no_matter,
+    ends_it  ///< Unless it was started to outlive it, as by nohup.
+  };
+  explicit StopSignal(const boost::asio::any_io_executor& executor, HangUp hang_up = HangUp::no_matter);
 
   /// Ends wait() as a signal would.
   void stop();

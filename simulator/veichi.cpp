@@ -33,6 +33,8 @@ enum class Command : std::uint16_t {
 
 Veichi::Veichi(VeichiSeries series, const DriveOptions& options)
     : series_(series), options_(options), traits_(veichi_traits(options.veichi_pdo_objects)) {
+  const auto highest = static_cast<std::uint16_t>(scaled(options_.motor.max_hz, 100));
+  stored_[series_ == VeichiSeries::ac300 ? 0x0009 : 0x010A] = highest;  // F00.09, F01.10; the unit is the simulator's
   if (series_ == VeichiSeries::ac300) {
     stored_[0x0D02] = 30;  // F13.02: tens digit 3 is 125 kbit/s, the default
     stored_[0x0002] = options_.veichi_bus_control ? 2 : 0;

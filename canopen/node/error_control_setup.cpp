@@ -6,6 +6,7 @@
 #include "canopen/node/consumer_setup.h"
 #include "canopen/node/life_guarding.h"
 #include "canopen/node/node_guarding.h"
+#include "canopen/node/wanted_objects.h"
 
 namespace canopen {
 namespace {
@@ -19,19 +20,6 @@ boost::asio::awaitable<Failure> make_so(SetupSession& session, SetupItem item, R
     remarks.push_back(std::move(outcome.remark));
   }
   co_return std::move(outcome.failure);
-}
-
-SetupItem heartbeat_item(const ErrorControlSettings& control) {
-  const ErrorControlKind kind = kind_of(control);
-  const Raw wanted = kind == ErrorControlKind::heartbeat ? whole_ms(control.heartbeat) : 0;
-  SetupItem item{kProducerHeartbeat, DataType::u16, wanted, "heartbeat time", control.policy};
-  item.least = 1;
-  if (kind == ErrorControlKind::none) {
-    item.most = 0xFFFF;  // One that nobody asked for does no harm.
-  } else if (kind == ErrorControlKind::heartbeat || control.supervise_gateway <= Duration::zero()) {
-    item.most = whole_ms(control.heartbeat_timeout - std::chrono::nanoseconds(1));
-  }  // Without requests of ours nothing would start its life guarding, so there a heartbeat will not do.
-  return item;
 }
 
 std::string foreign_life_guarding_text(const LifeGuarding& found) {
@@ -87,7 +75,7 @@ boost::asio::awaitable<ErrorControlOutcome> set_up_heartbeat(SetupSession& sessi
   const ErrorControlSettings& control = session.context().settings.error_control;
   ErrorControlOutcome outcome{.failure = {}, .kind = kind_of(control)};
   const unsigned written = session.written();
-  SetupItem item = heartbeat_item(control);
+  SetupItem item = wanted_heartbeat(control);
   const bool wanted = item.wanted != 0;
   SetupOutcome heartbeat = co_await session.ensure(std::move(item));
   outcome.heartbeat_as_wanted = wanted && heartbeat.confirmed && !heartbeat.will_do && !heartbeat.failure;

@@ -6,18 +6,10 @@
 
 #include "canopen/hex.h"
 #include "canopen/node/pdo_times.h"
+#include "canopen/node/wanted_objects.h"
 
 namespace canopen {
 namespace {
-
-constexpr std::uint16_t kRpdoCommunication = 0x1400;
-constexpr std::uint16_t kTpdoCommunication = 0x1800;
-constexpr std::uint16_t kMappingOffset = 0x200;  // 0x1600 and 0x1A00.
-constexpr std::uint8_t kCobId = 1;
-constexpr std::uint8_t kTransmissionType = 2;
-
-constexpr Raw kInvalid = 0x8000'0000;       // Bit 31: the PDO does not exist.
-constexpr Raw kRtrForbidden = 0x4000'0000;  // Bit 30; devices keep it as they like, it says nothing of the COB-ID.
 
 using Failure = std::optional<BootFailure>;
 using Items = std::vector<SetupItem>;
@@ -31,13 +23,7 @@ bool relies_on_timer(const PdoSettings& pdo) noexcept {
 class PdoSetup {
  public:
   PdoSetup(SetupSession& session, PdoRole role, const PdoSettings& pdo)
-      : session_(session),
-        pdo_(pdo),
-        role_(role),
-        name_((role == PdoRole::transmit ? "TPDO" : "RPDO") + std::to_string(pdo.number)),
-        communication_(static_cast<std::uint16_t>(
-            (role == PdoRole::transmit ? kTpdoCommunication : kRpdoCommunication) + pdo.number - 1)),
-        mapping_(static_cast<std::uint16_t>(communication_ + kMappingOffset)) {}
+      : session_(session), pdo_(pdo), role_(role), name_(pdo_name(role, pdo)) {}
 
   boost::asio::awaitable<PdoSetupOutcome> run() {
     PdoSetupOutcome outcome;
@@ -81,13 +67,13 @@ class PdoSetup {
   }
 
   Failure compare_cob_id() {
-    const Raw shown = cob_id_ & ~kRtrForbidden;
+    const Raw shown = cob_id_ & ~kPdoRtrForbidden;
     const bool assumed = pdo_.communication == SetupPolicy::assume;
     // A set-up of the mapping that was interrupted leaves it like that, and no PDO would ever pass.
-    const bool left_off = pdo_.mapping_policy == SetupPolicy::write && shown == (pdo_.cob_id | kInvalid);
+    const bool left_off = pdo_.mapping_policy == SetupPolicy::write && shown == (pdo_.cob_id | kPdoInvalid);
     if (left_off || (!assumed && shown != pdo_.cob_id)) {
       note(left_off ? SetupPolicy::write : pdo_.communication, cob_id_item(pdo_.cob_id), cob_id_);
-    } else if (assumed && pdo_.mapping_policy == SetupPolicy::write && (cob_id_ & kInvalid) != 0) {
+    } else if (assumed && pdo_.mapping_policy == SetupPolicy::write && (cob_id_ & kPdoInvalid) != 0) {
       // Another COB-ID was never meant to be used.
       return session_.difference(name_ + " is switched off and has another COB-ID than assumed");
     }
@@ -96,7 +82,7 @@ class PdoSetup {
 
   boost::asio::awaitable<Failure> compare_parameters() {
     timing_known_ = pdo_.transmission_type.has_value();
-    for (const SetupItem& item : wanted_parameters()) {
+    for (const SetupItem& item : wanted_parameters(role_, pdo_)) {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
       if (found.has_value() && session_.inspecting() && found.value() != item.wanted && will_do(item, found.value())) {
         remarks_.push_back(difference_text(item, found.value()) + ", which will do");
@@ -120,14 +106,14 @@ class PdoSetup {
   /// length.
   [[nodiscard]] Failure without_object() const {
     if (pdo_.mapping_policy == SetupPolicy::write) {
-      return lacking({mapping_, 0},
+      return lacking(wanted_mapping(role_, pdo_).front().object,
                      " mapping: the drive does not have it, so what this PDO holds is not known; where the "
                      "manual tells it, `mapping = \"assume\"`");
     }
     return relies_on_timer(pdo_) ? without_timer() : std::nullopt;
   }
   [[nodiscard]] Failure without_timer() const {
-    return lacking({communication_, kPdoEventTimer},
+    return lacking({pdo_communication(role_, pdo_), kPdoEventTimer},
                    " event timer: the drive does not have it, so it would not notice that commands cease");
   }
   [[nodiscard]] Failure lacking(ObjectAddress object, const char* what) const {
@@ -135,7 +121,7 @@ class PdoSetup {
   }
 
   boost::asio::awaitable<Failure> compare_mapping() {
-    for (const SetupItem& item : wanted_mapping()) {
+    for (const SetupItem& item : wanted_mapping(role_, pdo_)) {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
       if (found.has_error()) {
         absent_ = item.object.sub == 0 && is_absent(found.error());
@@ -170,7 +156,7 @@ class PdoSetup {
   boost::asio::awaitable<Failure> switch_off() {
     Failure failure;
     if (!switched_off_ && found_valid()) {
-      failure = co_await write(cob_id_item(cob_id_ | kInvalid));
+      failure = co_await write(cob_id_item(cob_id_ | kPdoInvalid));
     }
     switched_off_ = !failure;
     co_return failure;
@@ -182,7 +168,7 @@ class PdoSetup {
     Failure failure = co_await switch_off();
     Items items = parameters_;
     if (mapping_differs_) {
-      const Items mapping = wanted_mapping();
+      const Items mapping = wanted_mapping(role_, pdo_);
       items.insert(items.begin(), mapping.begin(), mapping.end());
       items.front().wanted = 0;
       items.insert(items.begin() + static_cast<std::ptrdiff_t>(mapping.size()), mapping.front());
@@ -217,7 +203,7 @@ class PdoSetup {
     items.insert(items.begin(), cob_id_item(enabled()));
     // One that is only verified was looked at before the PDO was switched off, and some clear the count then.
     if (mapping_differs_ || (pdo_.mapping_policy == SetupPolicy::verify && !absent_)) {
-      const Items mapping = wanted_mapping();
+      const Items mapping = wanted_mapping(role_, pdo_);
       items.insert(items.end(), mapping.begin(), mapping_differs_ ? mapping.end() : mapping.begin() + 1);
     }
     for (const SetupItem& item : items) {
@@ -225,7 +211,7 @@ class PdoSetup {
       if (found.has_error()) {
         co_return session_.failure(found.error(), item.name);
       }
-      const Raw ignored = item.object == ObjectAddress{communication_, kCobId} ? kRtrForbidden : 0;
+      const Raw ignored = item.object == items.front().object ? kPdoRtrForbidden : 0;
       const bool differs = ((found.value() ^ item.wanted) & ~ignored) != 0;
       if (differs && will_do(item, found.value())) {
         remarks_.push_back(difference_text(item, found.value()) + " after it was written, which will do");
@@ -236,54 +222,17 @@ class PdoSetup {
     co_return std::nullopt;
   }
 
-  [[nodiscard]] bool found_valid() const { return (cob_id_ & kInvalid) == 0; }
+  [[nodiscard]] bool found_valid() const { return (cob_id_ & kPdoInvalid) == 0; }
   [[nodiscard]] Raw enabled() const {
-    return pdo_.communication == SetupPolicy::assume ? cob_id_ & ~kInvalid : (cob_id_ & kRtrForbidden) | pdo_.cob_id;
+    return pdo_.communication == SetupPolicy::assume ? cob_id_ & ~kPdoInvalid
+                                                     : (cob_id_ & kPdoRtrForbidden) | pdo_.cob_id;
   }
-  [[nodiscard]] SetupItem cob_id_item(Raw wanted) const {
-    return {{communication_, kCobId}, DataType::u32, wanted, name_ + " COB-ID", pdo_.communication};
-  }
-  [[nodiscard]] Items wanted_parameters() const {
-    Items items;
-    if (pdo_.communication == SetupPolicy::assume) {
-      items.push_back({{communication_, kPdoEventTimer},
-                       DataType::u16,
-                       pdo_.event_timer.value_or(0),
-                       name_ + " event timer",
-                       SetupPolicy::write});
-      return items;
-    }
-    const auto add = [&](std::uint8_t sub, DataType type, const auto& wanted, const char* what) {
-      if (wanted) {
-        items.push_back({{communication_, sub}, type, *wanted, name_ + what, pdo_.communication});
-      }
-    };
-    add(kTransmissionType, DataType::u8, pdo_.transmission_type, " transmission type");
-    add(kPdoInhibitTime, DataType::u16, pdo_.inhibit_time, " inhibit time");
-    add(kPdoEventTimer, DataType::u16, pdo_.event_timer, " event timer");
-    if (role_ == PdoRole::transmit && pdo_.communication == SetupPolicy::write) {
-      std::for_each(items.begin(), items.end(), [this](SetupItem& item) { allow_rounding(item, pdo_); });
-    }
-    return items;
-  }
-  /// The number of objects first, then each.
-  [[nodiscard]] Items wanted_mapping() const {
-    Items items{
-        {{mapping_, 0}, DataType::u8, pdo_.mapping.size(), name_ + " number of mapped objects", pdo_.mapping_policy}};
-    for (const MappedObject& mapped : pdo_.mapping) {
-      const Raw entry = (Raw{mapped.object.index} << 16U) | (Raw{mapped.object.sub} << 8U) | mapped.bits;
-      const auto sub = static_cast<std::uint8_t>(items.size());
-      items.push_back({{mapping_, sub}, DataType::u32, entry, name_ + " mapping", pdo_.mapping_policy});
-    }
-    return items;
-  }
+  [[nodiscard]] SetupItem cob_id_item(Raw wanted) const { return wanted_cob_id(role_, pdo_, wanted); }
 
   SetupSession& session_;
   const PdoSettings& pdo_;
   PdoRole role_;
   std::string name_;
-  std::uint16_t communication_;
-  std::uint16_t mapping_;
 
   bool absent_ = false;
   Raw cob_id_ = 0;    ///< Sub 1 as found.

@@ -175,7 +175,8 @@ void take_own_keys(DriveDraft& draft) {
   check_supervision(draft);
 }
 
-Drive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library, Report& report) {
+BuiltDrive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library,
+                       Report& report) {
   DriveDraft draft{.site = site, .model = model, .report = report, .where = {}, .keys = drive_section().read(site)};
   const auto name = read_text(site, "name");
   draft.where = "drive " + (name.has_value() ? in_quotes(*name) : std::to_string(number));
@@ -185,11 +186,12 @@ Drive build_drive(const Node& site, std::size_t number, const Model& model, Prof
   take_own_keys(draft);
   const Profile* const profile = profile_of(draft, library);
   if (profile == nullptr) {
-    return std::move(draft.drive);
+    return {.drive = std::move(draft.drive), .notes = {}};
   }
   compose(draft, *profile);
   draft.said = overlay_section().read(draft.merged);
   take_node_settings(draft);
+  take_notes(draft);
   take_pdos(draft);
   take_signals(draft);
   connect_pdos(draft);
@@ -197,7 +199,7 @@ Drive build_drive(const Node& site, std::size_t number, const Model& model, Prof
   order_signals(draft);
   take_commands(draft);
   advise(draft);
-  return std::move(draft.drive);
+  return {.drive = std::move(draft.drive), .notes = std::move(draft.notes)};
 }
 
 }  // namespace config

@@ -8,6 +8,7 @@
 
 #include "config/drive/drive_keys.h"
 #include "config/drive/profile.h"
+#include "config/drive_notes.h"
 #include "config/model.h"
 #include "config/toml/document.h"
 #include "config/toml/report.h"
@@ -39,6 +40,7 @@ struct DriveDraft {
   Node merged{};       ///< Profile, presets, assigned objects and site laid over each other.
   OverlayKeys said{};  ///< What stands there.
   Drive drive{};
+  DriveNotes notes{};
   std::vector<PdoDraft> tpdos{};
   std::vector<PdoDraft> rpdos{};
   std::vector<SignalDraft> signals{};
@@ -73,9 +75,14 @@ template <class S>
 /// Some RPDO that is sent has an event timer, which the profile says that the drive has.
 [[nodiscard]] bool supervises_rpdo(const DriveDraft& draft);
 
+struct BuiltDrive {
+  Drive drive;
+  DriveNotes notes;
+};
+
 /// Puts one drive together; what is wrong with it goes to the report. `number` names it where it has no name.
-[[nodiscard]] Drive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library,
-                                Report& report);
+[[nodiscard]] BuiltDrive build_drive(const Node& site, std::size_t number, const Model& model, ProfileLibrary& library,
+                                     Report& report);
 
 // ---- The steps, in this order.
 
@@ -85,6 +92,8 @@ void take_own_keys(DriveDraft& draft);
 void compose(DriveDraft& draft, const Profile& profile);
 /// Heartbeat, SDO, EMCY, identity, setup objects and fault texts.
 void take_node_settings(DriveDraft& draft);
+/// What people are told of it.
+void take_notes(DriveDraft& draft);
 /// PDO communication and mapping.
 void take_pdos(DriveDraft& draft);
 /// Signals by themselves.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "canopen/node/node_settings.h"
+#include "config/drive/note_keys.h"
 #include "config/model.h"
 #include "config/schema/section.h"
 
@@ -102,6 +103,8 @@ struct OverlayKeys {
   std::vector<Said<SetupKeys>> setup;
   std::map<std::int64_t, FaultText> fault_texts;
   std::map<std::int64_t, FaultText> emcy_texts;
+  std::vector<Said<LiveKeys>> live;
+  Trial trial;
 };
 [[nodiscard]] const SectionOf<OverlayKeys>& overlay_section();
 

@@ -267,7 +267,10 @@ const SectionOf<OverlayKeys>& overlay_section() {
            .layered(Layering::by_key),
        Field("emcy_texts", &Self::emcy_texts, fault_texts(0xFFFF),
              "Text by emergency code; a code without one takes that of its class (0x2100, 0x2000).")
-           .layered(Layering::by_key)});
+           .layered(Layering::by_key),
+       tables_key<Self>("live", &Self::live, live_section(),
+                        "Settings of the drive that `check --live` looks at, after the profile's."),
+       table_key<Self>("trial", &Self::trial, trial_section(), "How to try the drive, as `demo` tells it.")});
   return section;
 }
 

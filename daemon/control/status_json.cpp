@@ -118,6 +118,7 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.text("name", drive.model().name);
   object.text("bus", plant.model().buses[drive.model().bus].name);
   object.integer("node", drive.model().node.node);
+  object.text("profile", drive.model().profile);
   object.boolean("enabled", drive.model().enabled);
   object.boolean("online", status.online);
   object.text("nmt", canopen::name_of(status.nmt));

@@ -78,17 +78,17 @@ fails simulate --interface nosuchcan0 --drive veichi-ac310:5
 # A line of input is answered on standard output; where that has failed meanwhile, the same.
 mkfifo answers orders
 exec 6<>orders
-timeout 30 "${gateway[@]}" simulate --interface nosuchcan0 --drive veichi-ac310:5 <orders >answers 2>err 9>&- &
+timeout 30 "${gateway[@]}" demo --config good.toml <orders >answers 2>err 9>&- &
 background=$!
 exec 7<answers
 read -r -t 20 line <&7
-expect_lines "simulate answers" 1 '^1 drive simulated' <(echo "$line")
+expect_lines "demo begins with the page" 1 '^The page: http://127\.0\.0\.1:[0-9]+/$' <(echo "$line")
 exec 7<&-
 echo '5 show' >&6
 wait $background
-expect "simulate, reader gone: exit code" 1 $?
+expect "demo, reader gone: exit code" 1 $?
 background=
-expect_lines "simulate, reader gone: the reason" 1 '^canopen-gateway: standard output: Broken pipe$' err
+expect_lines "demo, reader gone: the reason" 1 '^canopen-gateway: standard output: Broken pipe$' err
 exec 6>&- 9>&-
 
 # --- Closed descriptors are /dev/null, and stay it.

@@ -67,7 +67,7 @@ TEST_F(OutputTest, GivesUpOnAReaderThatStandsStill) {
 
 TEST_F(OutputTest, LiveOutputEndsWithItsFirstFailure) {
   int failures = 0;
-  LiveOutput output(writer_.get(), [&failures] { ++failures; }, kNone);
+  LiveOutput output(writer_.get(), [&failures] { ++failures; });
   output.write("text");
   EXPECT_NO_THROW(output.require_written());
   reader_ = Descriptor();
@@ -82,14 +82,32 @@ TEST_F(OutputTest, LiveOutputEndsWithItsFirstFailure) {
   }
 }
 
-TEST_F(OutputTest, LiveOutputPassesOverAReaderThatStandsStill) {
-  LiveOutput output(writer_.get(), [] { ADD_FAILURE() << "no failure"; }, kNone);
+TEST_F(OutputTest, LiveOutputKeepsWhatAReaderThatStandsStillDoesNotTake) {
+  LiveOutput output(writer_.get(), [] { ADD_FAILURE() << "no failure"; });
+  const std::string table(std::size_t{100} * 1024, 't');  // a pipe takes 64 KiB
+  output.write(table);
+  output.write("kept");
+  std::string seen = read();
+  EXPECT_LT(seen.size(), table.size());
+  output.write("seen");
+  seen += read();
+  EXPECT_EQ(seen, table + "keptseen");
+}
+
+TEST_F(OutputTest, LiveOutputLeavesOutWhatIsTooMuch) {
+  LiveOutput output(writer_.get(), [] { ADD_FAILURE() << "no failure"; });
   output.write(flood_);
-  output.write("lost");
-  EXPECT_NO_THROW(output.require_written());
-  EXPECT_EQ(read().find("lost"), std::string::npos);
+  EXPECT_EQ(read(), "");
   output.write("seen");
   EXPECT_EQ(read(), "seen");
+}
+
+TEST_F(OutputTest, LiveOutputLeavesTheDescriptorAsItIs) {
+  ASSERT_EQ(::fcntl(writer_.get(), F_SETFL, 0), 0);  // it blocks
+  LiveOutput output(writer_.get(), [] { ADD_FAILURE() << "no failure"; });
+  output.write(std::string(std::size_t{200} * 1024, 't'));
+  EXPECT_EQ(::fcntl(writer_.get(), F_GETFL) & O_NONBLOCK, 0);
+  EXPECT_FALSE(read().empty());
 }
 
 }  // namespace

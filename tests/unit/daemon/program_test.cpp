@@ -37,10 +37,11 @@ Words with(const TemporaryFile& file, const std::string& command) {
 }
 
 TEST(ExitCode, OfWrongUsageIs2) {
-  for (const Words& words : {Words{}, Words{"fly"}, Words{"check", "--fast"}, Words{"map", "--format", "xml"},
-                             Words{"simulate", "--interface", "vcan0", "--drive", "veichi-ac310"},
-                             Words{"simulate", "--interface", "vcan0", "--drive", "no-such-kind:5"},
-                             Words{"simulate", "--tpdo", "half"}, Words{"simulate", "--tpdo", "65536ms"}}) {
+  for (const Words& words :
+       {Words{}, Words{"fly"}, Words{"check", "--fast"}, Words{"check", "--control", "/nowhere/control"},
+        Words{"map", "--format", "xml"}, Words{"simulate", "--interface", "vcan0", "--drive", "veichi-ac310"},
+        Words{"simulate", "--interface", "vcan0", "--drive", "no-such-kind:5"}, Words{"simulate", "--tpdo", "half"},
+        Words{"simulate", "--tpdo", "65536ms"}}) {
     Program program(words);
     EXPECT_EQ(program.exit_code(), kWrongUsage) << testing::PrintToString(words) << program.output();
     EXPECT_NE(program.output(), "") << testing::PrintToString(words) << " says nothing";
@@ -71,6 +72,28 @@ TEST(ExitCode, OfWhatWasDoneIs0) {
     Program program(words);
     EXPECT_EQ(program.exit_code(), 0) << testing::PrintToString(words) << program.output();
   }
+}
+
+TEST(ExitCode, OfACheckOfDrivesWithoutAGatewayIs1) {
+  const TemporaryFile site(kSite);
+  Words words = with(site, "check");
+  words.insert(words.end(), {"--live", "--control", "/nowhere/control"});
+  Program program(words);
+  EXPECT_EQ(program.exit_code(), 1) << program.output();
+  EXPECT_THAT(
+      program.output(),
+      testing::AllOf(HasSubstr("cannot reach the gateway at /nowhere/control: "),
+                     HasSubstr("start it: `systemctl start canopen-gateway`, or `canopen-gateway run --config " +
+                               site.path() + "`"),
+                     testing::Not(HasSubstr("ok: "))));
+}
+
+TEST(ExitCode, OfACheckOfDrivesWithAWrongConfigurationIs78) {
+  const TemporaryFile wrong(kSite + "hearbeat = 5\n");
+  Words words = with(wrong, "check");
+  words.emplace_back("--live");
+  Program program(words);
+  EXPECT_EQ(program.exit_code(), kWrongConfiguration) << program.output();
 }
 
 /// A port of loopback on which somebody else listens.
