@@ -47,5 +47,5 @@ dpkg-deb --root-owner-group -b "$work/newer" "$work/shared/canopen-gateway-newer
 cp tests/package/plant.sh "$work/shared/script"
 tar=$(tests/package/root "$deb" "$into")
 start=$SECONDS
-tests/package/boot -t 200 "$tar" "$work/shared" || fail "on a Debian of its own"
+tests/package/boot -t 600 "$tar" "$work/shared" || fail "on a Debian of its own"
 echo "on a Debian of its own: $((SECONDS - start)) s"
