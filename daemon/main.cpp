@@ -15,6 +15,7 @@
 #include "daemon/commands.h"
 #include "daemon/control/ask.h"
 #include "daemon/descriptors.h"
+#include "daemon/manual/manual.h"
 #include "daemon/output.h"
 #include "daemon/trace_log.h"
 
@@ -226,6 +227,25 @@ void describe(CLI::App& app, CommandLine& line) {
   CLI::App* const journal = app.add_subcommand("journal", "The journal of commands");
   journal->require_subcommand(1);
   journal->add_subcommand("verify", "Whether it is whole and unchanged");
+  CLI::App* const manual = app.add_subcommand("manual", "What is installed beside the program")->group("");
+  manual->require_subcommand(1);
+  for (const char* const page : {"commands", "configuration", "completion"}) {
+    manual->add_subcommand(page);
+  }
+}
+
+// Asked for when the program is built, so that manual pages and completion never lag behind it.
+int write_manual(const CLI::App& app) {
+  namespace manual = gateway::manual;
+  const CLI::App& which = *app.get_subcommand("manual");
+  if (which.got_subcommand("configuration")) {
+    gateway::print(manual::configuration_page());
+  } else if (which.got_subcommand("completion")) {
+    gateway::print(manual::bash_completion(manual::describe(app)));
+  } else {
+    gateway::print(manual::command_page(manual::describe(app)));
+  }
+  return gateway::kDone;
 }
 
 int carry_out(const CLI::App& app, const CommandLine& line) {
@@ -246,6 +266,9 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
   }
   if (app.got_subcommand("demo")) {
     return gateway::demo(line.options);
+  }
+  if (app.got_subcommand("manual")) {
+    return write_manual(app);
   }
   if (!app.got_subcommand("simulate")) {
     return carry_out_asking(app, line);

@@ -41,8 +41,8 @@ std::string remedy(const error_code& cause, const config::Endpoint& entry) {
     return "another program listens there (`ss -ltnp` shows which): stop it, or take another port";
   }
   if (cause == boost::asio::error::access_denied && entry.port < kFirstOrdinaryPort) {
-    return "ports below 1024 need the capability CAP_NET_BIND_SERVICE, which the systemd unit gives: start it that "
-           "way, or take a port from 1024 on";
+    return "only systemd may open ports below 1024 for it: let canopen-gateway.socket do so (`systemctl enable "
+           "canopen-gateway.socket`, then restart), or take a port from 1024 on";
   }
   if (cause == boost::asio::error::address_family_not_supported) {
     return "this system does not have that kind of address: leave the entry out";
