@@ -15,6 +15,7 @@
 #include "daemon/log.h"
 #include "daemon/map.h"
 #include "daemon/program_health.h"
+#include "daemon/recording.h"
 
 namespace gateway {
 namespace {
@@ -83,6 +84,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   } else {
     kept_alarms_ = std::make_unique<KeptAlarms>(executor, plant_);
     plant_.add(*kept_alarms_);
+    make_recorder(executor);
   }
   if (model.modbus) {
     modbus_ =
@@ -106,7 +108,8 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   }
   if (!model.gateway.control.empty()) {
     control_ = std::make_unique<control::Server>(
-        executor, control::Place{model.gateway.control, control_group}, control::plant_service(plant_),
+        executor, control::Place{model.gateway.control, control_group},
+        control::plant_service(plant_, record_request()),
         control::Server::Notices{.warning = [](const std::string& text) { spdlog::warn(text); },
                                  .info = [](const std::string& text) { spdlog::info(text); }});
   }
@@ -141,6 +144,27 @@ void Gateway::follow_bus(const boost::asio::any_io_executor& executor, std::size
       in_use.watch->watch_commands_to(drive.node);
     }
   }
+}
+
+void Gateway::make_recorder(const boost::asio::any_io_executor& executor) {
+  if (!plant_.model().recorder) {
+    return;
+  }
+  std::vector<canopen::Bus*> buses;
+  for (const BusInUse& in_use : buses_) {
+    buses.push_back(in_use.bus.get());
+  }
+  recording_ = std::make_unique<Recording>(executor, plant_, std::move(buses));
+  plant_.add(recording_->recorder());
+}
+
+control::RecordRequest Gateway::record_request() {
+  if (!recording_) {
+    return {};
+  }
+  return [this](std::size_t bus, const std::string& drive, const std::string& user) {
+    return recording_->recorder().request(bus, drive, user);
+  };
 }
 
 void Gateway::make_http(const boost::asio::any_io_executor& executor) {
@@ -189,6 +213,14 @@ http::Site Gateway::http_site() {
     };
     site.journal_lines = [this]() -> const std::deque<std::string>& { return journal_->newest_lines(); };
   }
+  if (recording_) {
+    site.records = [this]() -> const std::optional<recorder::StoredRecords>& {
+      return recording_->recorder().keeper().records();
+    };
+    site.read_record = [this](std::string name, std::uint64_t offset) {
+      return recording_->reader().read(std::move(name), offset);
+    };
+  }
   return site;
 }
 
@@ -222,6 +254,9 @@ std::vector<process::Plant::BusPort> Gateway::ports(const std::vector<BusInUse>&
 void Gateway::start(std::span<const int> passed) {
   if (kept_alarms_) {
     kept_alarms_->restore();
+  }
+  if (recording_) {
+    recording_->recorder().start();
   }
   if (journal_) {
     journal_->start();
@@ -277,6 +312,9 @@ boost::asio::awaitable<void> Gateway::stop() {
     co_await in_use.bus->stop();
   }
   event_log_.finish();
+  if (recording_) {
+    co_await recording_->recorder().stop();
+  }
   if (kept_alarms_) {
     co_await kept_alarms_->stop();
   }

@@ -19,6 +19,7 @@
 #include "canopen/bus/link.h"
 #include "canopen/clock.h"
 #include "config/model.h"
+#include "daemon/control/record_answer.h"
 #include "daemon/control/server.h"
 #include "daemon/event_log.h"
 #include "daemon/http/command_tally.h"
@@ -29,6 +30,8 @@
 #include "daemon/kept_alarms.h"
 
 namespace gateway {
+
+class Recording;
 
 /// Everything of one configuration, wired: buses, drives, bridges. `model` outlives it.
 class Gateway {
@@ -69,6 +72,8 @@ class Gateway {
   static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,
                                           const LinkFactory& make_link);
   [[nodiscard]] http::Site http_site();
+  void make_recorder(const boost::asio::any_io_executor& executor);
+  [[nodiscard]] control::RecordRequest record_request();
   void make_http(const boost::asio::any_io_executor& executor);
   /// Its state, timing, and who else is on it reach plant and log.
   void follow_bus(const boost::asio::any_io_executor& executor, std::size_t i);
@@ -81,6 +86,7 @@ class Gateway {
   process::Plant plant_;
   EventLog event_log_;
   std::unique_ptr<KeptAlarms> kept_alarms_;  ///< None where there is no state directory.
+  std::unique_ptr<Recording> recording_;     ///< None where nothing is to be recorded, or there is no state directory.
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
   std::unique_ptr<control::Server> control_;

@@ -37,6 +37,9 @@ struct SdoOrder {
 /// `status`: a table for people, or the JSON of the gateway.
 [[nodiscard]] int status(const Reach& reach, bool as_json);
 
+/// `record DRIVE` or `record --bus BUS`: one of the two is empty.
+[[nodiscard]] int record(const Reach& reach, const std::string& drive, const std::string& bus);
+
 /// `stop`: every drive that takes commands of the command line gets its stop value.
 [[nodiscard]] int stop(const Reach& reach);
 

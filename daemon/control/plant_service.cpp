@@ -171,7 +171,11 @@ awaitable<std::string> status(const Plant& plant, Asked asked, canopen::TimePoin
   co_return told_status(asked.id, status_json(plant, started, canopen::Clock::now()));
 }
 
-awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint started) {
+awaitable<std::string> record(const Plant& plant, Asked asked, const RecordRequest& request) {
+  co_return record_answer(asked, plant, request);
+}
+
+awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint started, const RecordRequest& request) {
   switch (asked.request.op) {
     case Op::set:
       return set(plant, std::move(asked));
@@ -182,6 +186,8 @@ awaitable<std::string> answer(Plant& plant, Asked asked, canopen::TimePoint star
       return sdo(plant, std::move(asked));
     case Op::stop:
       return stop(plant, std::move(asked));
+    case Op::record:
+      return record(plant, std::move(asked), request);
     case Op::status:
       break;
   }
@@ -196,10 +202,11 @@ bool is_stop(Plant& plant, const Request& request) {
 
 }  // namespace
 
-Service plant_service(process::Plant& plant) {
+Service plant_service(process::Plant& plant, RecordRequest record) {
   const canopen::TimePoint started = canopen::Clock::now();
   return {.is_stop = [&plant](const Request& request) { return is_stop(plant, request); },
-          .answer = [&plant, started](Asked asked) { return answer(plant, std::move(asked), started); }};
+          .answer = [&plant, started, record = std::move(record)](
+                        Asked asked) { return answer(plant, std::move(asked), started, record); }};
 }
 
 }  // namespace gateway::control

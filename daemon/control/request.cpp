@@ -25,12 +25,14 @@ constexpr std::array<std::string_view, 2> kOfSet{"drive", kValues};
 constexpr std::array<std::string_view, 2> kOfNmt{"drive", "command"};
 constexpr std::array<std::string_view, 3> kOfRead{"drive", "object", "type"};
 constexpr std::array<std::string_view, 4> kOfWrite{"drive", "object", "type", "value"};
-constexpr std::array<OpNames, 6> kOps{{{Op::set, "set", kOfSet},
+constexpr std::array<std::string_view, 2> kOfRecord{"drive", "bus"};
+constexpr std::array<OpNames, 7> kOps{{{Op::set, "set", kOfSet},
                                        {Op::nmt, "nmt", kOfNmt},
                                        {Op::sdo_read, "sdo-read", kOfRead},
                                        {Op::sdo_write, "sdo-write", kOfWrite},
                                        {Op::status, "status", {}},
-                                       {Op::stop, "stop", {}}}};
+                                       {Op::stop, "stop", {}},
+                                       {Op::record, "record", kOfRecord}}};
 
 Error no_request(std::string detail) {
   return {.kind = ErrorKind::type, .detail = std::move(detail)};
@@ -87,9 +89,21 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   return std::nullopt;
 }
 
+// A record is of a drive, or of all of a bus.
+std::optional<Error> take_subject(const FlatObject& members, Request& request) {
+  const bool has_drive = text::find_member(members, "drive") != nullptr;
+  if (has_drive == (text::find_member(members, "bus") != nullptr)) {
+    return no_request("\"record\" is of a \"drive\" or of a \"bus\"");
+  }
+  return has_drive ? take_text(members, "drive", request.drive) : take_text(members, "bus", request.bus);
+}
+
 std::optional<Error> take_members(text::NestedObject& read, Request& request) {
   if (request.op == Op::status || request.op == Op::stop) {
     return std::nullopt;
+  }
+  if (request.op == Op::record) {
+    return take_subject(read.members, request);
   }
   if (auto refused = take_text(read.members, "drive", request.drive)) {
     return refused;
@@ -115,7 +129,7 @@ canopen::Result<Request> request_of(text::NestedObject& read) {
   const auto* const op = std::ranges::find(kOps, std::string_view(name), &OpNames::name);
   if (op == kOps.end()) {
     return Error{.kind = ErrorKind::unknown,
-                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop"};
+                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, record"};
   }
   if (const auto refused = refuse_members(read.members, read.inner.has_value(), *op)) {
     return *refused;

@@ -1,4 +1,5 @@
-// What a frame costs with one, two and four buses of 126 drives each, from the link to the process image.
+// What a frame costs with one, two and four buses of 126 drives each, from the link to the process image, and with the
+// recorder that keeps it.
 
 #include <fmt/format.h>
 #include <time.h>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "bridges/process/plant.h"
+#include "bridges/recorder/frame_ring.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/link.h"
 #include "config/load.h"
@@ -151,6 +153,7 @@ class FullBuses {
   FullBuses(const FullBuses&) = delete;
   FullBuses& operator=(const FullBuses&) = delete;
 
+  [[nodiscard]] canopen::Bus& bus(std::size_t index) { return *buses_[index]; }
   std::size_t turn(unsigned tpdos) {
     std::size_t frames = 0;
     for (FedLink* link : links_) {
@@ -196,6 +199,22 @@ void buses() {
     fmt::print("frames to image, {} buses of {} drives: 1 bus {:.0f} ns a frame, {} buses {:.0f} ns, ratio {:.2f}\n",
                count, kDrives, median(costs_of_one), count, median(costs), median(ratios));
   }
+}
+
+void recorder() {
+  FullBuses buses(1);
+  recorder::FrameRing ring(std::chrono::seconds(10), recorder::most_frames(1'000'000, std::chrono::seconds(15)));
+  std::vector<double> ratios;
+  std::vector<double> costs;
+  std::vector<double> costs_without;
+  for (int round = 0; round < 21; ++round) {
+    costs_without.push_back(buses.cost());
+    const canopen::Subscription tap = buses.bus(0).add_tap(ring);
+    costs.push_back(buses.cost());
+    ratios.push_back(costs.back() / costs_without.back());
+  }
+  fmt::print("frames to image, recorder: without {:.0f} ns a frame, with it {:.0f} ns, ratio {:.3f}; {} kB of frames\n",
+             median(costs_without), median(costs), median(ratios), ring.memory() / 1000);
 }
 
 }  // namespace bench

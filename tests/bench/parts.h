@@ -10,6 +10,8 @@ namespace bench {
 void frames(const std::string& interface);
 /// Time a frame takes from the link to the process image, with one, two and four buses of 126 drives each.
 void buses();
+/// The same time with one bus, with and without the recorder.
+void recorder();
 /// Requests per second with 1 and 8 clients, against a bare libmodbus reply loop.
 void modbus();
 /// Messages per second at a subscriber, against bare Paho publishing the same messages.

@@ -70,7 +70,7 @@ TEST(ControlRequest, IsRefusedWithAClearWord) {
        ErrorKind::type, "null", "more behind"},
       {R"({"id":1})", ErrorKind::type, "1", "\"op\" is missing"},
       {R"({"id":1,"op":5})", ErrorKind::type, "1", "\"op\" is to be a string"},
-      {R"({"id":1,"op":"start"})", ErrorKind::unknown, "1", "there are set, nmt, sdo-read, sdo-write, status, stop"},
+      {R"({"id":1,"op":"start"})", ErrorKind::unknown, "1", "there are set, nmt, sdo-read, sdo-write, status, stop, record"},
       {R"({"id":null,"op":"status"})", ErrorKind::type, "null", "\"id\" is to be a string or a number"},
       {R"({"id":true,"op":"stop"})", ErrorKind::type, "null", "\"id\" is to be"},
       {R"({"id":1,"id":2,"op":"status"})", ErrorKind::type, "null", "\"id\" twice"},

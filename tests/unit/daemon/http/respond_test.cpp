@@ -21,10 +21,10 @@ class HttpRespond : public test::ShownPlant {};
 TEST_F(HttpRespond, NamesWhatThereIsWhereThereIsNothing) {
   const Answer answer = get("/api/nothing");
   EXPECT_EQ(answer.status, 404U);
-  EXPECT_EQ(
-      answer.text(),
-      R"({"error":"there is no /api/nothing","resources":["/","/metrics","/health","/api/drives",)"
-      R"("/api/drives/NAME","/api/gateway","/api/alarms","/api/map","/api/history","/api/live","/api/commands"]})");
+  EXPECT_EQ(answer.text(),
+            R"({"error":"there is no /api/nothing","resources":["/","/metrics","/health","/api/drives",)"
+            R"("/api/drives/NAME","/api/gateway","/api/alarms","/api/records","/api/map","/api/history","/api/live",)"
+            R"("/api/commands","/records/NAME"]})");
   EXPECT_EQ(get("/page").status, 404U);
   EXPECT_EQ(get("/api/drives/pump9").text(),
             R"({"error":"there is no drive \"pump9\"","drives":["fan1","pump1","hoist1","mixer1"]})");
