@@ -84,7 +84,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   } else {
     kept_alarms_ = std::make_unique<KeptAlarms>(executor, plant_);
     plant_.add(*kept_alarms_);
-    make_recorder(executor);
+    recording_ = make_recording(executor, plant_, ports(buses_));
   }
   if (model.modbus) {
     modbus_ =
@@ -109,7 +109,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   if (!model.gateway.control.empty()) {
     control_ = std::make_unique<control::Server>(
         executor, control::Place{model.gateway.control, control_group},
-        control::plant_service(plant_, record_request()),
+        control::plant_service(plant_, record_request(recording_.get())),
         control::Server::Notices{.warning = [](const std::string& text) { spdlog::warn(text); },
                                  .info = [](const std::string& text) { spdlog::info(text); }});
   }
@@ -144,27 +144,6 @@ void Gateway::follow_bus(const boost::asio::any_io_executor& executor, std::size
       in_use.watch->watch_commands_to(drive.node);
     }
   }
-}
-
-void Gateway::make_recorder(const boost::asio::any_io_executor& executor) {
-  if (!plant_.model().recorder) {
-    return;
-  }
-  std::vector<canopen::Bus*> buses;
-  for (const BusInUse& in_use : buses_) {
-    buses.push_back(in_use.bus.get());
-  }
-  recording_ = std::make_unique<Recording>(executor, plant_, std::move(buses));
-  plant_.add(recording_->recorder());
-}
-
-control::RecordRequest Gateway::record_request() {
-  if (!recording_) {
-    return {};
-  }
-  return [this](std::size_t bus, const std::string& drive, const std::string& user) {
-    return recording_->recorder().request(bus, drive, user);
-  };
 }
 
 void Gateway::make_http(const boost::asio::any_io_executor& executor) {
@@ -214,12 +193,7 @@ http::Site Gateway::http_site() {
     site.journal_lines = [this]() -> const std::deque<std::string>& { return journal_->newest_lines(); };
   }
   if (recording_) {
-    site.records = [this]() -> const std::optional<recorder::StoredRecords>& {
-      return recording_->recorder().keeper().records();
-    };
-    site.read_record = [this](std::string name, std::uint64_t offset) {
-      return recording_->reader().read(std::move(name), offset);
-    };
+    recording_->show_in(site);
   }
   return site;
 }

@@ -19,7 +19,6 @@
 #include "canopen/bus/link.h"
 #include "canopen/clock.h"
 #include "config/model.h"
-#include "daemon/control/record_answer.h"
 #include "daemon/control/server.h"
 #include "daemon/event_log.h"
 #include "daemon/http/command_tally.h"
@@ -72,8 +71,6 @@ class Gateway {
   static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,
                                           const LinkFactory& make_link);
   [[nodiscard]] http::Site http_site();
-  void make_recorder(const boost::asio::any_io_executor& executor);
-  [[nodiscard]] control::RecordRequest record_request();
   void make_http(const boost::asio::any_io_executor& executor);
   /// Its state, timing, and who else is on it reach plant and log.
   void follow_bus(const boost::asio::any_io_executor& executor, std::size_t i);

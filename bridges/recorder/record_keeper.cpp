@@ -101,10 +101,10 @@ void RecordKeeper::on_written(Written& written) {
   } else {
     trouble_.stands(*written.failure + "; records are not kept meanwhile", now);
     retry_ = now + kTryAgain;
-    look_ = waiting_.empty();
     if (was_record && (stopping_ || now - waiting_.front().since >= kGiveUp)) {
       give_up(waiting_.begin(), *written.failure);
     }
+    look_ = waiting_.empty();
   }
   handlers_.changed();
   progress_.notify();

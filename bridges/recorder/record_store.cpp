@@ -160,7 +160,11 @@ Failure RecordStore::write(const Record& record) {
   }
   make_room(log.size() + beside.size());
   // A JSON never stands alone: who removes one later has the log to find it by.
-  if ((failure = log.name()) || (failure = beside.name())) {
+  if ((failure = log.name())) {
+    return failure;
+  }
+  if ((failure = beside.name())) {
+    unlinkat(lock_.get(), (stem + std::string(kLogSuffix)).c_str(), 0);
     return failure;
   }
   records_.add({.name = record.name,

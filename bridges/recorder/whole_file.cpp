@@ -40,11 +40,11 @@ WholeFile::~WholeFile() {
 Failure WholeFile::open() {
   // What lies there is a leftover, or was put there: it is not written into.
   if (unlinkat(directory_, new_name_.c_str(), 0) != 0 && errno != ENOENT) {
-    return failed("cannot remove " + new_name_);
+    return failed("cannot remove what is left of a record");
   }
   file_ = disk::Descriptor(
       openat(directory_, new_name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
-  return file_ ? std::nullopt : Failure(failed("cannot make " + new_name_));
+  return file_ ? std::nullopt : Failure(failed("cannot make the file of a record"));
 }
 
 Failure WholeFile::append(std::string_view text) {
@@ -61,7 +61,7 @@ Failure WholeFile::flush() {
       continue;
     }
     if (size <= 0) {
-      return failed("cannot write " + new_name_);
+      return failed("cannot write a record");
     }
     text.remove_prefix(static_cast<std::size_t>(size));
   }
@@ -73,12 +73,12 @@ Failure WholeFile::sync() {
   if (Failure failure = flush()) {
     return failure;
   }
-  return calls_.sync(file_.get()) == 0 ? std::nullopt : Failure(failed("cannot bring " + new_name_ + " to the disk"));
+  return calls_.sync(file_.get()) == 0 ? std::nullopt : Failure(failed("cannot bring a record to the disk"));
 }
 
 Failure WholeFile::name() {
   if (calls_.rename(directory_, new_name_.c_str(), name_.c_str()) != 0) {
-    return failed("cannot rename " + new_name_);
+    return failed("cannot rename the file of a record");
   }
   named_ = true;
   return std::nullopt;

@@ -22,7 +22,7 @@ struct DiskCalls {
   static DiskCalls real();
 };
 
-/// What is wrong, for people; nothing: all is well.
+/// What is wrong, for people; nothing: all is well. It names no record, so that it is the same for all that fail alike.
 using Failure = std::optional<std::string>;
 
 /// `WHAT: REASON`, with the reason that errno tells.

@@ -30,11 +30,17 @@ config::Model recording_model(const TemporaryDirectory& directory) {
   return model;
 }
 
+// Veichi's cards send SDO answers without the bytes that hold nothing, which CiA 301 does not know, nor tshark.
+bool is_short_sdo_answer(const std::string& line) {
+  const std::size_t data = line.find('#');
+  return (line.find(" 583#") != line.npos || line.find(" 585#") != line.npos) && line.size() - data - 1 < 16;
+}
+
 struct Directory {
   TemporaryDirectory directory_;
 };
 
-class RecordingTest : private Directory, public test::DemoPlant {
+class RecordingTest : protected Directory, public test::DemoPlant {
  protected:
   RecordingTest() : DemoPlant(recording_model(directory_)) { begin_plant(); }
   ~RecordingTest() override {
@@ -94,8 +100,10 @@ TEST_F(RecordingTest, OfATrippedDriveHoldsTenSecondsBeforeAndFiveAfterAndOpensIn
   EXPECT_EQ(std::ranges::count_if(lines, [](const std::string& line) { return line.find(" 085#") != line.npos; }), 1);
 
   const std::vector<support::Decoded> decoded = support::decode_log_by_tshark(records() / alarm(1).record);
-  EXPECT_EQ(decoded.size(), lines.size());
-  EXPECT_TRUE(std::ranges::none_of(decoded, &support::Decoded::malformed));
+  ASSERT_EQ(decoded.size(), lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_EQ(decoded[i].malformed, is_short_sdo_answer(lines[i])) << lines[i] << ": " << decoded[i].info;
+  }
 }
 
 TEST_F(RecordingTest, NamesTheCommandsOfThatTime) {
