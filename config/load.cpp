@@ -33,6 +33,7 @@ Loaded load_text(std::string_view text, const LoadOptions& options, ProfileLibra
   model.modbus = read_modbus(root, report);
   model.mqtt = read_mqtt(root, options.file.parent_path(), options.with_secrets, report);
   model.http = read_http(root, model.modbus, report);
+  model.recorder = read_recorder(root, model.gateway, model.buses, report);
   std::vector<DriveNotes> notes;
   for (const Node* const table : read_tables(root, "drive")) {
     BuiltDrive built = build_drive(*table, model.drives.size() + 1, model, library, report);

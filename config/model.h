@@ -258,6 +258,14 @@ struct Http {
   friend bool operator==(const Http&, const Http&) = default;
 };
 
+/// Records of the frames around a fault. Needs a state directory.
+struct Recorder {
+  Duration before = std::chrono::seconds(10);
+  Duration after = std::chrono::seconds(5);
+  std::uint64_t keep = 200'000'000;  ///< Bytes that all records together may take.
+  friend bool operator==(const Recorder&, const Recorder&) = default;
+};
+
 struct Model {
   Gateway gateway;
   std::vector<Bus> buses;
@@ -265,6 +273,7 @@ struct Model {
   std::optional<Modbus> modbus;
   std::optional<Mqtt> mqtt;
   std::optional<Http> http;
+  std::optional<Recorder> recorder;
   friend bool operator==(const Model&, const Model&) = default;
 };
 

@@ -18,6 +18,7 @@
 #include "daemon/log.h"
 #include "daemon/map.h"
 #include "daemon/program_health.h"
+#include "daemon/recording.h"
 #include "daemon/surveys.h"
 
 namespace gateway {
@@ -87,6 +88,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   } else {
     kept_alarms_ = std::make_unique<KeptAlarms>(executor, plant_);
     plant_.add(*kept_alarms_);
+    recording_ = make_recording(executor, plant_, ports(buses_));
   }
   if (model.modbus) {
     modbus_ =
@@ -111,7 +113,7 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
   trace_ = make_trace();
   if (!model.gateway.control.empty()) {
     const Surveys surveys = [this](std::size_t bus) -> const canopen::BusSurvey& { return survey(bus); };
-    control::Service service = control::plant_service(plant_, surveys);
+    control::Service service = control::plant_service(plant_, surveys, record_request(recording_.get()));
     service.open_stream = control::stream_source(plant_, *trace_, surveys);
     control_ = std::make_unique<control::Server>(
         executor, control::Place{model.gateway.control, control_group}, std::move(service),
@@ -211,6 +213,9 @@ http::Site Gateway::http_site() {
     };
     site.journal_lines = [this]() -> const std::deque<std::string>& { return journal_->newest_lines(); };
   }
+  if (recording_) {
+    recording_->show_in(site);
+  }
   return site;
 }
 
@@ -244,6 +249,9 @@ std::vector<process::Plant::BusPort> Gateway::ports(const std::vector<BusInUse>&
 void Gateway::start(std::span<const int> passed) {
   if (kept_alarms_) {
     kept_alarms_->restore();
+  }
+  if (recording_) {
+    recording_->recorder().start();
   }
   if (journal_) {
     journal_->start();
@@ -301,6 +309,9 @@ boost::asio::awaitable<void> Gateway::stop() {
     co_await in_use.bus->stop();
   }
   event_log_.finish();
+  if (recording_) {
+    co_await recording_->recorder().stop();
+  }
   if (kept_alarms_) {
     co_await kept_alarms_->stop();
   }

@@ -37,6 +37,8 @@ class BusSurvey;
 
 namespace gateway {
 
+class Recording;
+
 /// Everything of one configuration, wired: buses, drives, bridges. `model` outlives it.
 class Gateway {
  public:
@@ -93,6 +95,7 @@ class Gateway {
   process::Plant plant_;
   EventLog event_log_;
   std::unique_ptr<KeptAlarms> kept_alarms_;  ///< None where there is no state directory.
+  std::unique_ptr<Recording> recording_;     ///< None where nothing is to be recorded, or there is no state directory.
   std::unique_ptr<modbus::Server> modbus_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
   std::unique_ptr<trace::Feed> trace_;  ///< Who reads it goes before.

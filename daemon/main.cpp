@@ -74,6 +74,7 @@ struct CommandLine {
   std::string listening = "3s";
   std::filesystem::path control;
   std::string drive;
+  std::string bus;
   std::vector<std::string> assignments;
   std::string nmt_command;
   gateway::control::SdoOrder sdo;
@@ -121,6 +122,9 @@ void describe_asking(CLI::App& app, CommandLine& line) {
   CLI::App* const set = add_asking(app, line, "set", "Write signals of a drive");
   set->add_option("DRIVE", line.drive, "Its name")->required();
   set->add_option("SIGNAL=VALUE", line.assignments, "In engineering units; several are written together")->required();
+  CLI::App* const record = add_asking(app, line, "record", "Record the frames before and after now");
+  record->add_option("DRIVE", line.drive, "Its name");
+  record->add_option("--bus", line.bus, "A whole bus in place of a drive");
   add_asking(app, line, "stop", "Stop every drive that takes commands of the command line");
   CLI::App* const nmt = add_asking(app, line, "nmt", "Command the state of a drive's node");
   nmt->add_option("DRIVE", line.drive, "Its name")->required();
@@ -180,6 +184,9 @@ int carry_out_asking(const CLI::App& app, CommandLine line) {
     }
     return line.watch ? gateway::control::watch_status(reach, line.as_json)
                       : gateway::control::status(reach, line.as_json);
+  }
+  if (app.got_subcommand("record")) {
+    return gateway::control::record(reach, line.drive, line.bus);
   }
   if (app.got_subcommand("stop")) {
     return gateway::control::stop(reach);

@@ -23,6 +23,9 @@ void append_listed(std::string& out, const ListedAlarm& listed) {
   object.text("severity", name_of(alarm.severity));
   object.text("since", text::timestamp(alarm.since));
   object.boolean("first", alarm.first);
+  if (!alarm.record.empty()) {
+    object.text("record", alarm.record);
+  }
   object.close();
 }
 

@@ -55,6 +55,7 @@ struct Alarm {
   bool known = false;
   bool first = false;  ///< A fault that no other one, of all drives and buses, came shortly before.
   std::vector<AlarmError> errors;
+  std::string record{};  ///< The log of frames around the beginning of this activation; empty: none that is kept.
   friend bool operator==(const Alarm&, const Alarm&) = default;
 };
 

@@ -57,6 +57,9 @@ std::string alarm_json(const Alarm& alarm) {
   object.boolean("confirmed", alarm.confirmed);
   object.boolean("first", alarm.first);
   text::append_list(object.key("errors"), alarm.errors, append_error);
+  if (!alarm.record.empty()) {
+    object.text("record", alarm.record);
+  }
   object.close();
   return out;
 }

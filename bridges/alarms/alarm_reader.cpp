@@ -39,6 +39,12 @@ class Members {
     expect(text.has_value(), name, "a text");
     out = text.value_or("");
   }
+  /// A member that may be missing.
+  void read_optional(json::string_view name, std::string& out) {
+    if (find(name) != nullptr) {
+      read(name, out);
+    }
+  }
   void read_count(json::string_view name, std::uint32_t& out) {
     const json::value* value = find(name);
     json::error_code failure;
@@ -151,6 +157,7 @@ ReadAlarm read_alarm(const json::value& value) {
   members.read_count("count", alarm.count);
   members.read("confirmed", alarm.confirmed);
   members.read("first", alarm.first);
+  members.read_optional("record", alarm.record);
   read_errors(members, alarm.errors);
   members.expect(alarm.active != alarm.errors.empty(), "errors", "what \"active\" says");
   members.expect(!alarm.active || (!alarm.id.empty() && alarm.count > 0), "id", "there, or \"count\" is 0");

@@ -55,6 +55,7 @@ bool AlarmRecord::show(std::vector<AlarmError> errors, std::uint8_t error_regist
     alarm_.id = new_id_();
     alarm_.since = now;
     alarm_.first = false;
+    alarm_.record.clear();
   }
   fault_began_ = has_new_fault(before.errors, alarm_.errors);
   if (!alarm_.active && before.active) {
@@ -78,6 +79,10 @@ bool AlarmRecord::set_first(bool first, canopen::WallTime now) {
   }
   alarm_.ts = now;
   return true;
+}
+
+bool AlarmRecord::set_record(std::string name) {
+  return std::exchange(alarm_.record, name) != name;
 }
 
 bool AlarmRecord::show(bool active, std::string reason, std::string text, config::Severity severity,

@@ -27,6 +27,9 @@ class AlarmRecord {
   [[nodiscard]] bool fault_began() const noexcept { return fault_began_; }
   /// Alarm::first of the present activation, false until this says otherwise. True where it changed.
   bool set_first(bool first, canopen::WallTime now);
+  /// Alarm::record of the present activation, or of the last one. That alone is no change of it: `ts` stays. True where
+  /// it is another name now.
+  bool set_record(std::string name);
   /// As it was before the gateway's start, not confirmed. What is shown next goes on from there: an activation that
   /// lasts keeps id, beginning, count and `first`.
   void restore(const Alarm& before);

@@ -243,6 +243,12 @@ void DriveAlarms::set_first(AlarmKind kind, bool first, canopen::WallTime wall) 
   }
 }
 
+void DriveAlarms::set_record(AlarmKind kind, std::string name) {
+  if (record(kind).set_record(std::move(name))) {
+    changed_(kind);
+  }
+}
+
 void DriveAlarms::show_emcy(canopen::WallTime wall, canopen::TimePoint at) {
   std::vector<AlarmError> errors = errors_.errors();
   if (errors.empty() && !alarm(AlarmKind::emcy).known && !decided(AlarmKind::emcy)) {

@@ -47,6 +47,8 @@ class DriveAlarms {
   void on_fault_began(FaultBegan began) { fault_began_ = std::move(began); }
   /// Alarm::first of the present activation.
   void set_first(AlarmKind kind, bool first, canopen::WallTime wall);
+  /// Alarm::record of the present activation, or of the last one.
+  void set_record(AlarmKind kind, std::string name);
 
   /// As it was before our start. Before all else; nothing for a drive that is out of service. What was over is not
   /// told.

@@ -118,6 +118,7 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   /// NodeStatus::doubled is another one.
   void on_doubled_change(std::function<void()> changed) { doubled_changed_ = std::move(changed); }
   void set_first(alarms::AlarmKind kind, bool first) { alarms_.set_first(kind, first, canopen::wall_now()); }
+  void set_record(alarms::AlarmKind kind, std::string name) { alarms_.set_record(kind, std::move(name)); }
 
   /// As it was before our start, see alarms::DriveAlarms. Before start().
   void restore(alarms::AlarmKind kind, const alarms::Alarm& before) { alarms_.restore(kind, before); }

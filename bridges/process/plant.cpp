@@ -206,6 +206,12 @@ void Plant::set_other_gateway(bool lives) {
   }
 }
 
+void Plant::set_bus_record(std::size_t bus, std::string name) {
+  if (body_->lines[bus].alarm.set_record(std::move(name))) {
+    body_->tell_bus_alarm(bus);
+  }
+}
+
 const canopen::BusState& Plant::bus_state(std::size_t bus) const noexcept {
   return body_->lines[bus].state;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -63,6 +64,8 @@ class Plant {
   void set_bus_troubles(std::size_t bus, const canopen::BusTroubles& troubles);
   /// Another gateway of our name lives, or does so no more: a warning of each bus.
   void set_other_gateway(bool lives);
+  /// Alarm::record of its alarm.
+  void set_bus_record(std::size_t bus, std::string name);
   [[nodiscard]] const canopen::BusState& bus_state(std::size_t bus) const noexcept;
   [[nodiscard]] canopen::BusStatistics bus_statistics(std::size_t bus) const;
   [[nodiscard]] const alarms::Alarm& bus_alarm(std::size_t bus) const noexcept;

@@ -21,6 +21,9 @@ namespace config {
                                             Report& report);
 /// `modbus`: what listens already.
 [[nodiscard]] std::optional<Http> read_http(const Node& root, const std::optional<Modbus>& modbus, Report& report);
+/// `gateway`: where records would lie; `buses`: how long they may be.
+[[nodiscard]] std::optional<Recorder> read_recorder(const Node& root, const Gateway& gateway,
+                                                    const std::vector<Bus>& buses, Report& report);
 /// What must differ from drive to drive: names, node ids, Modbus units and places on the flat one, COB-IDs.
 void check_drives(const Model& model, const Node& root, Report& report);
 /// Warns of buses that are forecast to be too busy.

@@ -20,17 +20,11 @@ constexpr hours kWeek(7 * 24);
 // sockaddr_un::sun_path has 108 bytes, the last of them 0.
 constexpr std::size_t kLongestSocket = 107;
 
-/// What stands in a table that is only checked, or not even that yet.
-struct Nothing {};
+/// Each way of a record: what a full bus of 1 Mbit/s keeps in memory stays below 35 MB.
+constexpr minutes kLongestRecorded(2);
 
-const SectionOf<Nothing>& recorder_section() {
-  using Field = KeyOf<Nothing>;
-  static const SectionOf<Nothing> section(
-      "[recorder]", {Field::later("before", "duration", "10s", "Frames of how long before an alarm are recorded."),
-                     Field::later("after", "duration", "5s", "And of how long after it."),
-                     Field::later("keep", "size", "200MB", "What all records together may take.")});
-  return section;
-}
+/// What stands in a table that is only checked.
+struct Nothing {};
 
 }  // namespace
 
@@ -44,7 +38,7 @@ const SectionOf<Gateway>& gateway_section() {
       "[gateway]",
       {Field("name", &Gateway::name, name(), "Second part of every topic.").unset("the host's name"),
        Field("state_dir", &Gateway::state_dir, absolute_path({.may_be_empty = true}),
-             "Directory of what outlives the process: alarms, the journal of commands; empty: nothing does."),
+             "Directory of what outlives the process: alarms, the journal of commands, records; empty: nothing does."),
        Field("control", &Gateway::control,
              absolute_path(
                  {.longest = kLongestSocket, .why_no_longer = " in the address of a socket", .may_be_empty = true}),
@@ -171,6 +165,19 @@ const SectionOf<Http>& http_section() {
   return section;
 }
 
+const SectionOf<Recorder>& recorder_section() {
+  using Field = KeyOf<Recorder>;
+  static const SectionOf<Recorder> section(
+      "[recorder]",
+      {Field("before", &Recorder::before, duration({.min = seconds(1), .max = kLongestRecorded}),
+             "Frames of how long before a fault are recorded; they are held in memory all the time."),
+       Field("after", &Recorder::after, duration({.min = seconds(0), .max = kLongestRecorded}),
+             "And of how long after its begin."),
+       Field("keep", &Recorder::keep, size(1'000'000, 1'000'000'000'000),
+             "What all records together may take; the oldest go first, those of faults that came first last.")});
+  return section;
+}
+
 const Section& site_section() {
   using Field = KeyOf<Nothing>;
   const auto table = [](std::string_view name, const Section& section, std::string_view meaning) {
@@ -184,7 +191,7 @@ const Section& site_section() {
       {table("gateway", gateway_section(), "The gateway itself."), tables("bus", bus_section(), "The CAN buses."),
        table("modbus", modbus_section(), "The Modbus TCP server."), table("mqtt", mqtt_section(), "The MQTT client."),
        table("http", http_section(), "The HTTP server: metrics, health, an API that only shows."),
-       Field::later("recorder", "table", "off", "Frames around an alarm.", &recorder_section()),
+       table("recorder", recorder_section(), "Records of the frames around a fault, see [RECORDER.md](RECORDER.md)."),
        tables("drive", drive_section(), "The drives.")});
   return section;
 }

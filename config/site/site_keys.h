@@ -12,6 +12,7 @@ namespace config {
 [[nodiscard]] const SectionOf<Modbus>& modbus_section();
 [[nodiscard]] const SectionOf<Mqtt>& mqtt_section();
 [[nodiscard]] const SectionOf<Http>& http_section();
+[[nodiscard]] const SectionOf<Recorder>& recorder_section();
 
 /// `exception`, `hold`, `zero`
 [[nodiscard]] Form<OnStale> on_stale_form();

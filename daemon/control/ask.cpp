@@ -172,6 +172,25 @@ int buses(const Reach& reach, bool wants_json) {
   return show(answer, wants_json && !told.empty() ? told + "\n" : bus_table(told).value_or(""));
 }
 
+int record(const Reach& reach, const std::string& drive, const std::string& bus) {
+  if (drive.empty() == bus.empty()) {
+    complain("record DRIVE, or record --bus BUS");
+    return kUsage;
+  }
+  std::vector<std::pair<std::string_view, std::string>> members;
+  if (!bus.empty()) {
+    members.emplace_back("bus", as_json(bus));
+  }
+  const Answer answer = ask(reach, request_of("record", drive, members));
+  std::string told = text_member(answer.members, "record");
+  const json::value* const remaining = answer.members.if_contains("remaining_ms");
+  if (!told.empty() && remaining != nullptr && remaining->is_int64()) {
+    told += truth_member(answer.members, "under_way") ? ": under way already," : ":";
+    told += " whole in " + std::to_string((remaining->get_int64() + 999) / 1000) + " s\n";
+  }
+  return show(answer, told);
+}
+
 int stop(const Reach& reach) {
   return command(reach, request_of("stop", {}, {}));
 }

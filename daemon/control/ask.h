@@ -48,6 +48,9 @@ struct SdoOrder {
 /// `status --buses`: how sound the buses are, likewise.
 [[nodiscard]] int buses(const Reach& reach, bool as_json);
 
+/// `record DRIVE` or `record --bus BUS`: one of the two is empty.
+[[nodiscard]] int record(const Reach& reach, const std::string& drive, const std::string& bus);
+
 /// `stop`: every drive that takes commands of the command line gets its stop value.
 [[nodiscard]] int stop(const Reach& reach);
 

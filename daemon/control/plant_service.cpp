@@ -172,6 +172,7 @@ awaitable<std::string> stop(Plant& plant, Asked asked) {
 struct Beside {
   canopen::TimePoint started;
   Surveys surveys;
+  RecordRequest record;
 };
 
 awaitable<std::string> status(const Plant& plant, Asked asked, Beside beside) {
@@ -180,6 +181,10 @@ awaitable<std::string> status(const Plant& plant, Asked asked, Beside beside) {
 
 awaitable<std::string> buses(const Plant& plant, Asked asked, Beside beside) {
   co_return told_buses(asked.id, bus_reports(plant, beside.surveys));
+}
+
+awaitable<std::string> record(const Plant& plant, Asked asked, Beside beside) {
+  co_return record_answer(asked, plant, beside.record);
 }
 
 awaitable<std::string> answer(Plant& plant, Asked asked, Beside beside) {
@@ -195,6 +200,8 @@ awaitable<std::string> answer(Plant& plant, Asked asked, Beside beside) {
       return stop(plant, std::move(asked));
     case Op::buses:
       return buses(plant, std::move(asked), std::move(beside));
+    case Op::record:
+      return record(plant, std::move(asked), std::move(beside));
     case Op::status:
     case Op::trace:  // a stream, see streams.h
       break;
@@ -210,8 +217,8 @@ bool is_stop(Plant& plant, const Request& request) {
 
 }  // namespace
 
-Service plant_service(process::Plant& plant, Surveys surveys) {
-  const Beside beside{canopen::Clock::now(), std::move(surveys)};
+Service plant_service(process::Plant& plant, Surveys surveys, RecordRequest record) {
+  const Beside beside{canopen::Clock::now(), std::move(surveys), std::move(record)};
   return {.is_stop = [&plant](const Request& request) { return is_stop(plant, request); },
           .answer = [&plant, beside](Asked asked) { return answer(plant, std::move(asked), beside); }};
 }

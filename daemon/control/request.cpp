@@ -27,14 +27,16 @@ constexpr std::array<std::string_view, 3> kOfRead{"drive", "object", "type"};
 constexpr std::array<std::string_view, 4> kOfWrite{"drive", "object", "type", "value"};
 constexpr std::array<std::string_view, 1> kOfStatus{"watch"};
 constexpr std::array<std::string_view, 4> kOfTrace{"names", "kinds", "cob_ids", "raw"};
-constexpr std::array<OpNames, 8> kOps{{{Op::set, "set", kOfSet},
+constexpr std::array<std::string_view, 2> kOfRecord{"drive", "bus"};
+constexpr std::array<OpNames, 9> kOps{{{Op::set, "set", kOfSet},
                                        {Op::nmt, "nmt", kOfNmt},
                                        {Op::sdo_read, "sdo-read", kOfRead},
                                        {Op::sdo_write, "sdo-write", kOfWrite},
                                        {Op::status, "status", kOfStatus},
                                        {Op::stop, "stop", {}},
                                        {Op::trace, "trace", kOfTrace},
-                                       {Op::buses, "buses", {}}}};
+                                       {Op::buses, "buses", {}},
+                                       {Op::record, "record", kOfRecord}}};
 
 Error no_request(std::string detail) {
   return {.kind = ErrorKind::type, .detail = std::move(detail)};
@@ -121,6 +123,15 @@ std::optional<Error> take_sdo(const FlatObject& members, Request& request) {
   return std::nullopt;
 }
 
+// A record is of a drive, or of all of a bus.
+std::optional<Error> take_subject(const FlatObject& members, Request& request) {
+  const bool has_drive = text::find_member(members, "drive") != nullptr;
+  if (has_drive == (text::find_member(members, "bus") != nullptr)) {
+    return no_request("\"record\" is of a \"drive\" or of a \"bus\"");
+  }
+  return has_drive ? take_text(members, "drive", request.drive) : take_text(members, "bus", request.bus);
+}
+
 std::optional<Error> take_members(text::NestedObject& read, Request& request) {
   if (request.op == Op::status) {
     return take_optional_truth(read.members, "watch", request.watch);
@@ -130,6 +141,9 @@ std::optional<Error> take_members(text::NestedObject& read, Request& request) {
   }
   if (request.op == Op::stop || request.op == Op::buses) {
     return std::nullopt;
+  }
+  if (request.op == Op::record) {
+    return take_subject(read.members, request);
   }
   if (auto refused = take_text(read.members, "drive", request.drive)) {
     return refused;
@@ -154,8 +168,9 @@ canopen::Result<Request> request_of(text::NestedObject& read) {
   }
   const auto* const op = std::ranges::find(kOps, std::string_view(name), &OpNames::name);
   if (op == kOps.end()) {
-    return Error{.kind = ErrorKind::unknown,
-                 .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, trace, buses"};
+    return Error{
+        .kind = ErrorKind::unknown,
+        .detail = "no such \"op\"; there are set, nmt, sdo-read, sdo-write, status, stop, trace, buses, record"};
   }
   if (const auto refused = refuse_members(read.members, read.inner.has_value(), *op)) {
     return *refused;

@@ -13,12 +13,13 @@ namespace gateway::control {
 /// A longer line is refused unread.
 inline constexpr std::size_t kMaxLine = 16UL * 1024;
 
-enum class Op : std::uint8_t { set, nmt, sdo_read, sdo_write, status, stop, trace, buses };
+enum class Op : std::uint8_t { set, nmt, sdo_read, sdo_write, status, stop, trace, buses, record };
 
 /// What one line asks for. Which members an op has is checked, and nothing that needs the configuration.
 struct Request {
   Op op = Op::status;
-  std::string drive{};                  ///< Of all but `status`, `stop`, `trace` and `buses`.
+  std::string drive{};                  ///< Of all but `status`, `stop`, `trace`, `buses`; of `record` this or `bus`.
+  std::string bus{};                    ///< Of `record`.
   text::FlatObject values{};            ///< Of `set`: signals and their values.
   std::string command{};                ///< Of `nmt`.
   std::string object{};                 ///< Of `sdo-read` and `sdo-write`: `0x2002:03`.

@@ -81,6 +81,9 @@ void append_alarm(std::string& out, std::string_view kind, const alarms::Alarm& 
   object.text("since", text::timestamp(alarm.since));
   object.boolean("confirmed", alarm.confirmed);
   object.boolean("first", alarm.first);
+  if (!alarm.record.empty()) {
+    object.text("record", alarm.record);
+  }
   object.close();
 }
 

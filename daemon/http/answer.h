@@ -1,8 +1,11 @@
 #pragma once
 
+#include <boost/asio/awaitable.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,6 +22,13 @@ struct Progress {
 /// Appends the next piece of a text: about a millisecond's work at most.
 using Pieces = std::function<Progress(std::string& text)>;
 
+/// A file that is sent a piece at a time, as the client takes it.
+struct FileBody {
+  std::uint64_t size = 0;  ///< Bytes.
+  /// The next ones from there on; nothing where they cannot be read.
+  std::function<boost::asio::awaitable<std::optional<std::string>>(std::uint64_t offset)> read;
+};
+
 /// What is sent back, but for what all answers have alike.
 struct Answer {
   unsigned status = 200;
@@ -30,8 +40,11 @@ struct Answer {
   bool stream = false;                   ///< Events follow, for as long as the client stays.
   /// Begins them, of a stream that is this reader's own; none: those of all readers, see LiveSource.
   std::function<std::unique_ptr<EventSource>()> events{};
-  std::string_view allow{};  ///< The methods that there are; empty: not told.
+  std::string_view allow{};        ///< The methods that there are; empty: not told.
+  std::string attachment{};        ///< A browser is to save it by this name; empty: it is shown.
+  std::optional<FileBody> file{};  ///< In place of `body`.
 
+  [[nodiscard]] std::uint64_t size() const noexcept { return file ? file->size : text().size(); }
   [[nodiscard]] std::string_view text() const noexcept { return lasting != nullptr ? *lasting : body; }
 };
 

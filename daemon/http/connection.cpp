@@ -131,10 +131,12 @@ awaitable<bool> Connection::receive_more() {
 awaitable<void> Connection::send(const Answer& answer, bool keep_alive, bool head_only) {
   shared_.answered(answer.status);
   enter(State::answering);
-  until_ = since_ + kStalled + std::chrono::seconds(answer.text().size() / kLeastRate);
+  until_ = since_ + kStalled + std::chrono::seconds(answer.size() / kLeastRate);
   const std::string head = word_head(answer, keep_alive);
   bool sent = co_await send_bytes(head);
-  if (sent && !head_only) {
+  if (sent && !head_only && answer.file) {
+    co_await send_file(*answer.file);
+  } else if (sent && !head_only) {
     sent = co_await send_bytes(answer.text());
   }
   until_ = canopen::kNever;
@@ -155,6 +157,25 @@ awaitable<bool> Connection::send_bytes(std::string_view bytes) {
     bytes.remove_prefix(count);
   }
   co_return true;
+}
+
+// What was announced and cannot be read, or has another length by now, ends with the connection: the client sees that
+// something is missing.
+awaitable<void> Connection::send_file(const FileBody& file) {
+  std::uint64_t offset = 0;
+  while (offset < file.size && socket_.is_open()) {
+    std::optional<std::string> piece = co_await file.read(offset);
+    if (!piece || piece->empty()) {
+      close("disconnected: the file that it reads is gone");
+      break;
+    }
+    piece->resize(std::min<std::uint64_t>(piece->size(), file.size - offset));
+    held_ = piece->size();  // never refused: a piece is small
+    shared_.waiting.add(from_, held_);
+    offset += piece->size();
+    co_await send_bytes(*piece);
+    release();
+  }
 }
 
 awaitable<bool> Connection::next_events(Live::Place& place, std::string& events) {

@@ -97,6 +97,7 @@ class Connection {
   void release();
   [[nodiscard]] std::optional<Answer> object_to(const Request& request);
   boost::asio::awaitable<void> send(const Answer& answer, bool keep_alive, bool head_only);
+  boost::asio::awaitable<void> send_file(const FileBody& file);
   boost::asio::awaitable<bool> send_bytes(std::string_view bytes);
   boost::asio::awaitable<void> refuse_and_end(Answer answer);
   boost::asio::awaitable<void> linger();

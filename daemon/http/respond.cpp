@@ -13,6 +13,7 @@ namespace gateway::http {
 namespace {
 
 constexpr std::string_view kOneDrive = "/api/drives/";
+constexpr std::string_view kOneRecord = "/records/";
 constexpr std::array<std::string_view, 1> kCount{"count"};
 constexpr std::array<std::string_view, 1> kDrive{"drive"};
 constexpr std::array<std::string_view, 2> kTraced{"drive", "kind"};
@@ -30,6 +31,7 @@ constexpr std::array<Resource, 10> kResources{
      {"/api/gateway", [](const Site& site, const Target&) { return gateway_figures(site); }},
      {"/api/buses", [](const Site& site, const Target&) { return buses(site); }},
      {"/api/alarms", [](const Site& site, const Target&) { return active_alarms(site); }},
+     {"/api/records", [](const Site& site, const Target&) { return records(site); }},
      {"/api/map", [](const Site& site, const Target&) { return map(site); }},
      {"/api/history", [](const Site& site, const Target& target) { return history(site, target); }, kDrive},
      {"/api/live", [](const Site&, const Target&) { return Answer{.type = "text/event-stream", .stream = true}; }},
@@ -42,6 +44,7 @@ Answer not_found(std::string_view path) {
     known.emplace_back(resource.path);
   }
   known.insert(known.begin() + 3, std::string(kOneDrive).append("NAME"));
+  known.emplace_back(std::string(kOneRecord).append("NAME"));
   known.emplace(known.begin(), "/");
   return refusal(404, std::string("there is no ").append(beginning(path)), "resources", known);
 }
@@ -64,6 +67,10 @@ Answer respond(const Request& request, const Site& site) {
   if (target.path.starts_with(kOneDrive)) {
     const auto wrong = unknown_parameter(target, {});
     return wrong ? *wrong : drive(site, std::string_view(target.path).substr(kOneDrive.size()));
+  }
+  if (target.path.starts_with(kOneRecord)) {
+    const auto wrong = unknown_parameter(target, {});
+    return wrong ? *wrong : record_file(site, std::string_view(target.path).substr(kOneRecord.size()));
   }
   if (auto page = page_file(target.path, site.charts)) {
     const auto wrong = unknown_parameter(target, {});

@@ -28,5 +28,8 @@ namespace gateway::http {
 [[nodiscard]] Answer history(const Site& site, const Target& target);
 [[nodiscard]] Answer trace_frames(const Site& site, const Target& target);
 [[nodiscard]] Answer commands(const Site& site, const Target& target);
+[[nodiscard]] Answer records(const Site& site);
+/// The log or the JSON of a record.
+[[nodiscard]] Answer record_file(const Site& site, std::string_view name);
 
 }  // namespace gateway::http

@@ -1,16 +1,19 @@
 #pragma once
 
+#include <boost/asio/awaitable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "bridges/modbus/counts.h"
 #include "bridges/mqtt/broker.h"
 #include "bridges/process/health.h"
 #include "bridges/process/plant.h"
+#include "bridges/recorder/stored_records.h"
 #include "daemon/http/answer.h"
 #include "daemon/http/command_tally.h"
 #include "daemon/http/page.h"
@@ -66,6 +69,11 @@ struct Site {
   std::function<HttpFigures()> http{};
   trace::Feed* trace = nullptr;  ///< Only looks at the buses.
   Surveys survey{};
+  /// Those on the disk; nothing inside: they cannot be looked at now.
+  std::function<const std::optional<recorder::StoredRecords>&()> records{};
+  /// A piece of a file of theirs; there where `records` is. See recorder::RecordReader::read().
+  std::function<boost::asio::awaitable<std::optional<std::string>>(std::string name, std::uint64_t offset)>
+      read_record{};
 };
 
 }  // namespace gateway::http

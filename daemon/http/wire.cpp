@@ -131,7 +131,10 @@ std::string word_head(const Answer& answer, bool keep_alive) {
       fmt::format("HTTP/1.1 {} {}\r\nDate: {}\r\nContent-Type: {}\r\nContent-Security-Policy: {}{}", answer.status,
                   reason, date_text(canopen::wall_now()), answer.type, answer.page ? kOwn : kNothing, kGuards);
   if (!answer.stream) {
-    head += fmt::format("Content-Length: {}\r\n", answer.text().size());
+    head += fmt::format("Content-Length: {}\r\n", answer.size());
+  }
+  if (!answer.attachment.empty()) {
+    head += fmt::format("Content-Disposition: attachment; filename=\"{}\"\r\n", answer.attachment);
   }
   if (!answer.allow.empty()) {
     head += fmt::format("Allow: {}\r\n", answer.allow);

@@ -1,5 +1,5 @@
 // What a frame costs with one, two and four buses of 126 drives each, from the link to the process image; and what the
-// survey of a bus adds to it.
+// survey of a bus and the recorder that keeps the frame add to it.
 
 #include <fmt/format.h>
 #include <time.h>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bridges/process/plant.h"
+#include "bridges/recorder/frame_ring.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/link.h"
 #include "canopen/survey/bus_survey.h"
@@ -153,6 +154,7 @@ class FullBuses {
   FullBuses(const FullBuses&) = delete;
   FullBuses& operator=(const FullBuses&) = delete;
 
+  [[nodiscard]] canopen::Bus& bus(std::size_t index) { return *buses_[index]; }
   std::size_t turn(unsigned tpdos) {
     std::size_t frames = 0;
     for (FedLink* link : links_) {
@@ -227,6 +229,22 @@ void survey() {
   }
   fmt::print("frames to image, bus health: without {:.0f} ns a frame, with it {:.0f} ns, ratio {:.3f}\n",
              median(without), median(with), median(ratios));
+}
+
+void recorder() {
+  FullBuses buses(1);
+  recorder::FrameRing ring(std::chrono::seconds(10), recorder::most_frames(1'000'000, std::chrono::seconds(15)));
+  std::vector<double> ratios;
+  std::vector<double> costs;
+  std::vector<double> costs_without;
+  for (int round = 0; round < 21; ++round) {
+    costs_without.push_back(buses.cost());
+    const canopen::Subscription tap = buses.bus(0).add_tap(ring);
+    costs.push_back(buses.cost());
+    ratios.push_back(costs.back() / costs_without.back());
+  }
+  fmt::print("frames to image, recorder: without {:.0f} ns a frame, with it {:.0f} ns, ratio {:.3f}; {} kB of frames\n",
+             median(costs_without), median(costs), median(ratios), ring.memory() / 1000);
 }
 
 }  // namespace bench

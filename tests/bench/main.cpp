@@ -4,7 +4,7 @@
 
 #include "tests/bench/parts.h"
 
-// gateway_bench modbus | mqtt | latency | storm | buses | survey | frames INTERFACE
+// gateway_bench modbus | mqtt | latency | storm | buses | survey | recorder | frames INTERFACE
 int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "";
   try {
@@ -20,10 +20,14 @@ int main(int argc, char** argv) {
       bench::buses();
     } else if (part == "survey" && argc == 2) {
       bench::survey();
+    } else if (part == "recorder" && argc == 2) {
+      bench::recorder();
     } else if (part == "frames" && argc == 3) {
       bench::frames(argv[2]);
     } else {
-      std::fputs("usage: gateway_bench modbus | mqtt | latency | storm | buses | survey | frames INTERFACE\n", stderr);
+      std::fputs(
+          "usage: gateway_bench modbus | mqtt | latency | storm | buses | survey | recorder | frames INTERFACE\n",
+          stderr);
       return 2;
     }
   } catch (const std::exception& error) {

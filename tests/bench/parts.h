@@ -12,6 +12,8 @@ void frames(const std::string& interface);
 void buses();
 /// What the survey of a bus of 126 drives adds to a frame on that way.
 void survey();
+/// The same time with one bus, with and without the recorder.
+void recorder();
 /// Requests per second with 1 and 8 clients, against a bare libmodbus reply loop.
 void modbus();
 /// Messages per second at a subscriber, against bare Paho publishing the same messages.

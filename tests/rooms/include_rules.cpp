@@ -85,6 +85,11 @@ constexpr std::array<std::string_view, 19> kTrace{"bridges/text/",
                                                   "canopen/node/pdo.h",
                                                   "canopen/object.h",
                                                   "canopen/sdo/frames.h"};
+// Frames as a tap sees them; faults and commands as `bridges/process` tells of them, worded as in the journal.
+constexpr std::array<std::string_view, 12> kRecorder{
+    "bridges/disk/",   "bridges/text/",   "bridges/alarms/",    "bridges/process/",
+    "config/model.h",  "canopen/clock.h", "canopen/bus/link.h", "bridges/journal/record_text.h",
+    "canopen/error.h", "canopen/event.h", "canopen/wake_up.h",  "canopen/bus/frame_tap.h"};
 // Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
 constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/clock.h",
@@ -93,11 +98,12 @@ constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/bus/virtual_link.h",
                                                      "canopen/bus/socketcan/socketcan_link.h"};
 // The only one that knows the loader.
-constexpr std::array<std::string_view, 12> kDaemon{
-    "bridges/disk/",    "canopen/",        "config/",       "bridges/text/",    "bridges/net/",   "bridges/alarms/",
-    "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/", "bridges/trace/", "simulator/"};
+constexpr std::array<std::string_view, 13> kDaemon{
+    "bridges/disk/",     "canopen/",         "config/",         "bridges/text/", "bridges/net/",
+    "bridges/alarms/",   "bridges/process/", "bridges/modbus/", "bridges/mqtt/", "bridges/journal/",
+    "bridges/recorder/", "bridges/trace/",   "simulator/"};
 
-constexpr std::array<Room, 13> kRooms{{{"canopen/", {}},
+constexpr std::array<Room, 14> kRooms{{{"canopen/", {}},
                                        {"config/", kConfig},
                                        {"bridges/disk/", kDisk},
                                        {"bridges/text/", kText},
@@ -108,6 +114,7 @@ constexpr std::array<Room, 13> kRooms{{{"canopen/", {}},
                                        {"bridges/mqtt/", kMqtt},
                                        {"bridges/journal/", kJournal},
                                        {"bridges/trace/", kTrace},
+                                       {"bridges/recorder/", kRecorder},
                                        {"simulator/", kSimulator},
                                        {"daemon/", kDaemon}}};
 

@@ -72,10 +72,7 @@ std::string output_of(const std::string& command) {
 
 }  // namespace
 
-std::vector<Decoded> decode_by_tshark(std::span<const canopen::Received> frames) {
-  const Folder folder;
-  const std::filesystem::path log = folder.path() / "sent.log";
-  write_log(log, frames);
+std::vector<Decoded> decode_log_by_tshark(const std::filesystem::path& log) {
   const std::string output = output_of("tshark -r '" + log.string() +
                                        "' -d can.subdissector,canopen -T fields -E separator='|' -e _ws.malformed "
                                        "-e _ws.col.Info 2>/dev/null");
@@ -85,14 +82,25 @@ std::vector<Decoded> decode_by_tshark(std::span<const canopen::Received> frames)
     const std::string line = output.substr(begin, end - begin);
     begin = end == std::string::npos ? output.size() : end + 1;
     const std::size_t bar = line.find('|');
-    if (bar == std::string::npos || decoded.size() == frames.size()) {
+    if (bar == std::string::npos) {
       throw std::runtime_error("tshark says what nobody asked for: " + line);
     }
-    decoded.push_back({candump_text(frames[decoded.size()].frame), bar != 0, line.substr(bar + 1)});
+    decoded.push_back({{}, bar != 0, line.substr(bar + 1)});
   }
+  return decoded;
+}
+
+std::vector<Decoded> decode_by_tshark(std::span<const canopen::Received> frames) {
+  const Folder folder;
+  const std::filesystem::path log = folder.path() / "sent.log";
+  write_log(log, frames);
+  std::vector<Decoded> decoded = decode_log_by_tshark(log);
   if (decoded.size() != frames.size()) {
     throw std::runtime_error("tshark decoded " + std::to_string(decoded.size()) + " of " +
                              std::to_string(frames.size()) + " frames: is it installed?");
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    decoded[i].frame = candump_text(frames[i].frame);
   }
   return decoded;
 }

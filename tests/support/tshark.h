@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@ struct Decoded {
   bool malformed = false;
   std::string info;  ///< `Default-SDO (rx): Initiate upload request`.
 };
+
+/// A log in candump's form in place of frames; Decoded::frame is empty. Nothing where tshark cannot read it.
+[[nodiscard]] std::vector<Decoded> decode_log_by_tshark(const std::filesystem::path& log);
 
 /// Has tshark decode the frames as CANopen, in order. It knows nothing of our code, and nothing of the frames before: a
 /// segment of a block transfer, which has no command, is taken for whatever its first byte would mean elsewhere.

@@ -42,7 +42,8 @@ function makeAlarm(alarm) {
   const kind = element('span', { className: 'quiet' }, alarm.kind);
   const text = element('span', { className: 'text' });
   const since = element('span', { className: 'quiet since' });
-  const node = element('li', {}, severity, first, place, kind, text, since);
+  const record = element('a', { className: 'record' }, 'record');
+  const node = element('li', {}, severity, first, place, kind, text, since, record);
   let shownSince = '';
   const update = (now) => {
     setText(severity, now.severity);
@@ -50,6 +51,11 @@ function makeAlarm(alarm) {
     setClass(node, now.severity);
     first.hidden = !now.first;
     setText(text, alarmText(now));
+    record.hidden = now.record === undefined;
+    if (!record.hidden) {
+      record.href = `/records/${encodeURIComponent(now.record)}`;
+      record.title = `frames around it: ${now.record}`;
+    }
     if (shownSince !== now.since) {
       shownSince = now.since;
       since.replaceChildren('since ', timeNode(clockText(now.since), now.since));

@@ -19,6 +19,7 @@ TEST(ActiveAlarmsJson, NamesDrivesAndBusesInTheOrderGiven) {
   emcy.text = "Overcurrent \"U\"";
   emcy.since = canopen::WallTime(std::chrono::milliseconds(1767323045678));
   emcy.first = true;
+  emcy.record = "x.log";
   Alarm bus;
   bus.active = true;
   bus.reason = "bus-off";
@@ -28,7 +29,7 @@ TEST(ActiveAlarmsJson, NamesDrivesAndBusesInTheOrderGiven) {
                                           ListedAlarm{.bus = "can0", .alarm = &bus}};
   EXPECT_EQ(active_alarms_json(active),
             R"([{"drive":"pump1","kind":"emcy","code":"0x0005","reason":"","text":"Overcurrent \"U\"",)"
-            R"("severity":"fault","since":"2026-01-02T03:04:05.678Z","first":true},)"
+            R"("severity":"fault","since":"2026-01-02T03:04:05.678Z","first":true,"record":"x.log"},)"
             R"({"bus":"can0","kind":"bus","code":"0x0000","reason":"bus-off","text":"",)"
             R"("severity":"warning","since":"2026-01-02T03:04:06.678Z","first":false}])");
 }

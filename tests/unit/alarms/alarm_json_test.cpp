@@ -52,5 +52,12 @@ TEST(AlarmJson, OfOneThatNeverWasHasNoTimes) {
   EXPECT_NE(json.find(R"("since":null,"ts":null,"cleared":null,"count":0)"), std::string::npos) << json;
 }
 
+TEST(AlarmJson, NamesTheRecordWhereThereIsOne) {
+  Alarm alarm;
+  EXPECT_EQ(alarm_json(alarm).find("record"), std::string::npos);
+  alarm.record = "20260102T030405.678Z-pump1-emcy.log";
+  EXPECT_NE(alarm_json(alarm).find(R"("record":"20260102T030405.678Z-pump1-emcy.log")"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace alarms

@@ -72,9 +72,18 @@ TEST(AlarmReader, BytesThatAreNoTextAreReplaced) {
 
 TEST(AlarmReader, PassesOverMembersOfALaterVersion) {
   std::string text = alarm_json(two_errors());
-  text.insert(1, R"("record":"x.log","later":[1],)");
+  text.insert(1, R"("trace":"x.log","later":[1],)");
   EXPECT_EQ(read(text).wrong, "");
   EXPECT_EQ(read(text).alarm, two_errors());
+}
+
+TEST(AlarmReader, KnowsTheRecordWhereThereIsOne) {
+  Alarm alarm = two_errors();
+  alarm.record = "x.log";
+  EXPECT_EQ(read(alarm_json(alarm)).alarm, alarm);
+  std::string text = alarm_json(two_errors());
+  text.insert(1, R"("record":7,)");
+  EXPECT_EQ(read(text).wrong, R"("record" is not a text)");
 }
 
 TEST(AlarmReader, TellsWhatIsWrong) {

@@ -137,6 +137,7 @@ inline AlarmMemory memory_with(std::uint32_t count) {
   alarm.ts = canopen::WallTime(std::chrono::seconds(6));
   alarm.count = count;
   alarm.first = true;
+  alarm.record = "20260102T030405.678Z-pump1-emcy.log";
   alarm.errors = {{0x2310, {1, 2}, "Overcurrent", config::Severity::fault, alarm.since}};
   Alarm over = alarm;
   over.active = false;

@@ -86,8 +86,7 @@ TEST_P(NotSupported, IsAnErrorAndNeverIgnored) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Keys, NotSupported,
-                         testing::Values(Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"},
-                                         Case{"[recorder]\nbefore = \"10s\"\n", "7:2: error: [recorder]"}));
+                         testing::Values(Case{"eds = \"pump.eds\"\n", "7:1: error: drive \"pump1\": eds"}));
 
 TEST(NotBuilt, AreTheDefaultsOfWhatIsNotBuiltEither) {
   EXPECT_EQ(errors_of(load_site(kBus + kDrive + "eds = \"\"\n")),

@@ -91,6 +91,25 @@ TEST_F(ControlPlant, SetRunsADrive) {
   EXPECT_EQ(pump.at("values").at("running").as_bool(), true);
 }
 
+TEST_F(ControlPlant, RecordsWhatIsAskedFor) {
+  EXPECT_THAT(ask(R"({"id":1,"op":"record","drive":"pump1"})"),
+              AllOf(HasSubstr("\"code\":\"unknown\""), HasSubstr("has no [recorder]")));
+  std::string asked;
+  service_ = plant_service(gateway_.plant(), [&](std::size_t bus, const std::string& drive, const std::string& user) {
+    asked = std::to_string(bus) + '|' + drive + '|' + user;
+    return recorder::Recorder::Requested{.name = "x.log", .was_under_way = true, .remaining = 1500ms};
+  });
+  EXPECT_EQ(ask(R"({"id":1,"op":"record","drive":"pump1"})"),
+            R"({"id":1,"ok":true,"record":"x.log","under_way":true,"remaining_ms":1500})");
+  EXPECT_EQ(asked, "0|pump1|anna");
+  ask(R"({"id":1,"op":"record","bus":"demo"})");
+  EXPECT_EQ(asked, "0||anna");
+  asked.clear();
+  EXPECT_THAT(ask(R"({"id":1,"op":"record","drive":"pump9"})"), HasSubstr("no drive \\\"pump9\\\""));
+  EXPECT_THAT(ask(R"({"id":1,"op":"record","bus":"can9"})"), HasSubstr("no bus \\\"can9\\\""));
+  EXPECT_EQ(asked, "");
+}
+
 TEST_F(ControlPlant, TellsWhatTheDriveHoldsAlready) {
   const std::string slow = R"({"id":1,"op":"set","drive":"pump1","values":{"frequency_command":20.0}})";
   EXPECT_EQ(ask(slow), R"({"id":1,"ok":true})");

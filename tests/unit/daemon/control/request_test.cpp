@@ -49,10 +49,16 @@ TEST(ControlRequest, OfEveryOtherKind) {
 
   EXPECT_EQ(parse_line(R"({"id":0.5,"op":"status"})").request.value().op, Op::status);
   EXPECT_EQ(parse_line(" {\"op\":\"stop\"}\r").request.value().op, Op::stop);
+
+  const Line of_drive = parse_line(R"({"op":"record","drive":"pump1"})");
+  EXPECT_EQ(of_drive.request.value().op, Op::record);
+  EXPECT_EQ(of_drive.request.value().drive, "pump1");
+  EXPECT_EQ(parse_line(R"({"op":"record","bus":"can0"})").request.value().bus, "can0");
 }
 
 TEST(ControlRequest, Streams) {
-  const Line trace = parse_line(R"({"id":1,"op":"trace","names":"pump1,can0","kinds":"sdo","cob_ids":"585","raw":true})");
+  const Line trace =
+      parse_line(R"({"id":1,"op":"trace","names":"pump1,can0","kinds":"sdo","cob_ids":"585","raw":true})");
   ASSERT_TRUE(trace.request.has_value()) << to_string(trace.request.error());
   const Request& request = trace.request.value();
   EXPECT_EQ(request.op, Op::trace);
@@ -87,11 +93,14 @@ TEST(ControlRequest, IsRefusedWithAClearWord) {
       {R"({"id":1})", ErrorKind::type, "1", "\"op\" is missing"},
       {R"({"id":1,"op":5})", ErrorKind::type, "1", "\"op\" is to be a string"},
       {R"({"id":1,"op":"start"})", ErrorKind::unknown, "1",
-       "there are set, nmt, sdo-read, sdo-write, status, stop, buses"},
+       "there are set, nmt, sdo-read, sdo-write, status, stop, trace, buses, record"},
       {R"({"id":null,"op":"status"})", ErrorKind::type, "null", "\"id\" is to be a string or a number"},
       {R"({"id":true,"op":"stop"})", ErrorKind::type, "null", "\"id\" is to be"},
       {R"({"id":1,"id":2,"op":"status"})", ErrorKind::type, "null", "\"id\" twice"},
       {R"({"id":1,"op":"stop","drive":"pump1"})", ErrorKind::type, "1", "unknown member \"drive\"; of \"stop\""},
+      {R"({"id":1,"op":"record"})", ErrorKind::type, "1", "is of a \"drive\" or of a \"bus\""},
+      {R"({"id":1,"op":"record","drive":"a","bus":"b"})", ErrorKind::type, "1", "is of a \"drive\" or of a \"bus\""},
+      {R"({"id":1,"op":"record","bus":5})", ErrorKind::type, "1", "\"bus\" is to be a string"},
       {R"({"id":1,"op":"stop","values":{}})", ErrorKind::type, "1", "unknown member \"values\""},
       {R"({"id":1,"op":"set","values":{"a":1}})", ErrorKind::type, "1", "\"drive\" is missing"},
       {R"({"id":1,"op":"set","drive":5,"values":{"a":1}})", ErrorKind::type, "1", "\"drive\" is to be a string"},

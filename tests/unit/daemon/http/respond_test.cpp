@@ -23,8 +23,8 @@ TEST_F(HttpRespond, NamesWhatThereIsWhereThereIsNothing) {
   EXPECT_EQ(answer.status, 404U);
   EXPECT_EQ(answer.text(),
             R"({"error":"there is no /api/nothing","resources":["/","/metrics","/health","/api/drives",)"
-            R"("/api/drives/NAME","/api/gateway","/api/buses","/api/alarms","/api/map","/api/history","/api/live",)"
-            R"("/api/trace","/api/commands"]})");
+            R"("/api/drives/NAME","/api/gateway","/api/buses","/api/alarms","/api/records","/api/map","/api/history",)"
+            R"("/api/live","/api/trace","/api/commands","/records/NAME"]})");
   EXPECT_EQ(get("/page").status, 404U);
   EXPECT_EQ(get("/api/drives/pump9").text(),
             R"({"error":"there is no drive \"pump9\"","drives":["fan1","pump1","hoist1","mixer1"]})");

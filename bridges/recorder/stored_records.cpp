@@ -1,0 +1,35 @@
+#include "bridges/recorder/stored_records.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace recorder {
+
+std::uint64_t StoredRecords::size() const noexcept {
+  std::uint64_t size = 0;
+  for (const StoredRecord& record : records_) {
+    size += record.size();
+  }
+  return size;
+}
+
+void StoredRecords::add(StoredRecord record) {
+  const std::string stem = record.stem();
+  remove(stem);
+  const auto place = std::ranges::find_if(records_, [&stem](const StoredRecord& other) { return other.stem() > stem; });
+  records_.insert(place, std::move(record));
+}
+
+void StoredRecords::remove(const std::string& stem) {
+  std::erase_if(records_, [&stem](const StoredRecord& record) { return record.stem() == stem; });
+}
+
+const StoredRecord* StoredRecords::in_the_way(std::uint64_t more, std::uint64_t keep) const {
+  if (records_.empty() || (size() + more <= keep && records_.size() < kMost)) {
+    return nullptr;
+  }
+  const auto usual = std::ranges::find_if(records_, [](const StoredRecord& record) { return !record.summary.first; });
+  return usual == records_.end() ? &records_.front() : &*usual;
+}
+
+}  // namespace recorder

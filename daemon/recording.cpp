@@ -1,0 +1,49 @@
+#include "daemon/recording.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+
+namespace gateway {
+
+Recording::Recording(const boost::asio::any_io_executor& executor, process::Plant& plant,
+                     const std::vector<process::Plant::BusPort>& buses)
+    : recorder_(executor, plant,
+                {.state_directory = plant.model().gateway.state_dir,
+                 .keep = plant.model().recorder.value_or(config::Recorder{}).keep},
+                [this](std::size_t bus, canopen::TimePoint until) { return buses_[bus]->may_still_hear(until); },
+                {.warning = [](const std::string& text) { spdlog::warn("recorder: {}", text); },
+                 .info = [](const std::string& text) { spdlog::info("recorder: {}", text); }}),
+      reader_(executor, recorder_.keeper().directory()) {
+  for (const process::Plant::BusPort& port : buses) {
+    taps_.push_back(port.bus->add_tap(recorder_.ring(buses_.size())));
+    buses_.push_back(port.bus);
+  }
+}
+
+void Recording::show_in(http::Site& site) {
+  site.records = [this]() -> const std::optional<recorder::StoredRecords>& { return recorder_.keeper().records(); };
+  site.read_record = [this](std::string name, std::uint64_t offset) { return reader_.read(std::move(name), offset); };
+}
+
+std::unique_ptr<Recording> make_recording(const boost::asio::any_io_executor& executor, process::Plant& plant,
+                                          const std::vector<process::Plant::BusPort>& buses) {
+  if (!plant.model().recorder) {
+    return nullptr;
+  }
+  auto recording = std::make_unique<Recording>(executor, plant, buses);
+  plant.add(recording->recorder());
+  return recording;
+}
+
+control::RecordRequest record_request(Recording* recording) {
+  if (recording == nullptr) {
+    return {};
+  }
+  return [recording](std::size_t bus, const std::string& drive, const std::string& user) {
+    return recording->recorder().request(bus, drive, user);
+  };
+}
+
+}  // namespace gateway

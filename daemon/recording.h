@@ -1,0 +1,44 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <memory>
+#include <vector>
+
+#include "bridges/process/plant.h"
+#include "bridges/recorder/record_reader.h"
+#include "bridges/recorder/recorder.h"
+#include "canopen/bus/bus.h"
+#include "canopen/bus/subscription.h"
+#include "daemon/control/record_answer.h"
+#include "daemon/http/site.h"
+
+namespace gateway {
+
+/// The recorder, at the buses of the plant, and who reads its files.
+class Recording {
+ public:
+  /// Both outlive it. The plant has a [recorder] and a state directory, the buses its order.
+  Recording(const boost::asio::any_io_executor& executor, process::Plant& plant,
+            const std::vector<process::Plant::BusPort>& buses);
+
+  [[nodiscard]] recorder::Recorder& recorder() noexcept { return recorder_; }
+  /// What HTTP shows of it. It outlives `site`.
+  void show_in(http::Site& site);
+
+ private:
+  std::vector<canopen::Bus*> buses_;
+  recorder::Recorder recorder_;
+  recorder::RecordReader reader_;
+  std::vector<canopen::Subscription> taps_;  ///< They show frames to the recorder.
+};
+
+/// Which adds itself to the plant's observers; nothing where the plant has no [recorder].
+[[nodiscard]] std::unique_ptr<Recording> make_recording(const boost::asio::any_io_executor& executor,
+                                                        process::Plant& plant,
+                                                        const std::vector<process::Plant::BusPort>& buses);
+
+/// How the control socket asks it; empty without one. It outlives what is returned.
+[[nodiscard]] control::RecordRequest record_request(Recording* recording);
+
+}  // namespace gateway

@@ -1,0 +1,65 @@
+#include "bridges/recorder/record_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/unit/journal/loop.h"
+#include "tests/unit/recorder/record_bench.h"
+
+namespace recorder {
+namespace {
+
+class RecordReaderTest : public ::testing::Test {
+ protected:
+  std::optional<std::string> read(const std::string& name, std::uint64_t offset) {
+    std::optional<std::string> text;
+    const auto ended = loop_.start(into(text, name, offset));
+    EXPECT_TRUE(loop_.run_until([&] { return *ended; }));
+    return text;
+  }
+  boost::asio::awaitable<void> into(std::optional<std::string>& text, std::string name, std::uint64_t offset) {
+    text = co_await reader_.read(std::move(name), offset);
+  }
+
+  RecordBench bench_;
+  journal::LoopWithThread loop_;
+  RecordReader reader_{loop_.executor(), bench_.records()};
+};
+
+TEST_F(RecordReaderTest, ReadsAPieceAtATime) {
+  const std::string all = std::string(RecordReader::kPiece, 'a') + "the rest";
+  bench_.put("x.log", all);
+  EXPECT_EQ(read("x.log", 0), std::string(RecordReader::kPiece, 'a'));
+  EXPECT_EQ(read("x.log", RecordReader::kPiece), "the rest");
+  EXPECT_EQ(read("x.log", all.size()), "");
+}
+
+TEST_F(RecordReaderTest, WhatIsGoneIsNothing) {
+  EXPECT_EQ(read("x.log", 0), std::nullopt);
+}
+
+TEST_F(RecordReaderTest, FollowsNoLink) {
+  bench_.put("y.log", "y");
+  std::filesystem::create_symlink("y.log", bench_.records() / "x.log");
+  EXPECT_EQ(read("x.log", 0), std::nullopt);
+}
+
+TEST_F(RecordReaderTest, ManyReadersGetTheirPieces) {
+  bench_.put("x.log", "0123456789");
+  std::vector<std::optional<std::string>> texts(10);
+  std::vector<std::shared_ptr<bool>> ended;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    ended.push_back(loop_.start(into(texts[i], "x.log", i)));
+  }
+  EXPECT_TRUE(loop_.run_until([&] { return std::ranges::all_of(ended, [](const auto& one) { return *one; }); }));
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    EXPECT_EQ(texts[i], std::string("0123456789").substr(i));
+  }
+}
+
+}  // namespace
+}  // namespace recorder
