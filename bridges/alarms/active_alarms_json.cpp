@@ -5,7 +5,6 @@
 #include "canopen/hex.h"
 
 namespace alarms {
-namespace {
 
 void append_listed(std::string& out, const ListedAlarm& listed) {
   const Alarm& alarm = *listed.alarm;
@@ -25,8 +24,6 @@ void append_listed(std::string& out, const ListedAlarm& listed) {
   object.boolean("first", alarm.first);
   object.close();
 }
-
-}  // namespace
 
 std::string active_alarms_json(std::span<const ListedAlarm> active) {
   std::string out;

@@ -25,6 +25,7 @@ struct Answer {
   const std::string* lasting = nullptr;  ///< In place of `body`: it outlives every connection.
   bool page = false;                     ///< A browser shows it, with what else this server has.
   bool stream = false;                   ///< Events follow, for as long as the client stays.
+  bool come_again = false;               ///< Refused for now: the same request may be answered some seconds later.
   std::string_view allow{};              ///< The methods that there are; empty: not told.
 
   [[nodiscard]] std::string_view text() const noexcept { return lasting != nullptr ? *lasting : body; }
@@ -36,6 +37,8 @@ struct Answer {
 }
 /// `{"error":"…"}`
 [[nodiscard]] Answer refusal(unsigned status, std::string_view why);
+/// 503, since others take too much; the client may come again.
+[[nodiscard]] Answer too_much(std::string_view why);
 /// `{"error":"…","drives":["fan1","pump1"]}`: what there is instead, under `key`.
 [[nodiscard]] Answer refusal(unsigned status, std::string_view why, std::string_view key,
                              std::span<const std::string> known);
