@@ -5,7 +5,6 @@
 #include "canopen/hex.h"
 
 namespace alarms {
-namespace {
 
 void append_listed(std::string& out, const ListedAlarm& listed) {
   const Alarm& alarm = *listed.alarm;
@@ -28,8 +27,6 @@ void append_listed(std::string& out, const ListedAlarm& listed) {
   }
   object.close();
 }
-
-}  // namespace
 
 std::string active_alarms_json(std::span<const ListedAlarm> active) {
   std::string out;

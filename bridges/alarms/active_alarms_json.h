@@ -16,6 +16,8 @@ struct ListedAlarm {
   const Alarm* alarm = nullptr;
 };
 
+/// One of them as a JSON object.
+void append_listed(std::string& out, const ListedAlarm& listed);
 /// A JSON array of them, in this order; `[]` where there is none.
 [[nodiscard]] std::string active_alarms_json(std::span<const ListedAlarm> active);
 

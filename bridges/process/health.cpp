@@ -61,6 +61,8 @@ Health health_of(const Plant& plant) {
     BusHealth& shown = health.buses.emplace_back();
     shown.name = bus.name;
     shown.condition = plant.bus_state(i).condition;
+    shown.in_service = std::ranges::any_of(plant.model().drives,
+                                           [i](const config::Drive& drive) { return drive.enabled && drive.bus == i; });
     if (const canopen::BusStatistics statistics = plant.bus_statistics(i); statistics.bitrate != 0) {
       shown.load = statistics.load_per_mille / 1000.0;
     }
@@ -69,8 +71,10 @@ Health health_of(const Plant& plant) {
 }
 
 bool is_well(const Health& health) {
-  const auto is_up = [](const BusHealth& bus) { return canopen::BusState{.condition = bus.condition}.up(); };
-  return std::ranges::all_of(health.buses, is_up) && (health.in_service == 0 || health.online > 0);
+  const auto is_well = [](const BusHealth& bus) {
+    return !bus.in_service || canopen::BusState{.condition = bus.condition}.up();
+  };
+  return std::ranges::all_of(health.buses, is_well) && (health.in_service == 0 || health.online > 0);
 }
 
 bool differs(const Health& one, const Health& other) {

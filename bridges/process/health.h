@@ -17,6 +17,7 @@ struct BusHealth {
   std::string name{};
   canopen::BusCondition condition = canopen::BusCondition::down;
   std::optional<double> load{};  ///< Of the last second, 0..1; nothing where no bit rate is known.
+  bool in_service = true;        ///< A drive in service is on it; not shown.
   friend bool operator==(const BusHealth&, const BusHealth&) = default;
 };
 
@@ -62,8 +63,8 @@ struct Health {
 /// Something other than the time, the uptime, loads and the memory is different.
 [[nodiscard]] bool differs(const Health& one, const Health& other);
 
-/// The gateway does its work: every bus can carry frames, and of the drives in service one at least is online. A broker
-/// that is away takes nothing from Modbus, so it does not count.
+/// The gateway does its work: every bus with a drive in service can carry frames, and of these drives one at least is
+/// online. A broker that is away takes nothing from Modbus, so it does not count.
 [[nodiscard]] bool is_well(const Health& health);
 
 /// `{"ts":"…Z","uptime":12,"buses":[{"name":"can0","state":"active","load":0.123}],…}`; see docs/MQTT.md.

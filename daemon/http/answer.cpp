@@ -12,6 +12,12 @@ Answer refusal(unsigned status, std::string_view why) {
   return answer;
 }
 
+Answer too_much(std::string_view why) {
+  Answer answer = refusal(503, why);
+  answer.come_again = true;
+  return answer;
+}
+
 Answer refusal(unsigned status, std::string_view why, std::string_view key, std::span<const std::string> known) {
   Answer answer{.status = status};
   text::ObjectText object(answer.body);

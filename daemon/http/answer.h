@@ -40,6 +40,7 @@ struct Answer {
   bool stream = false;                   ///< Events follow, for as long as the client stays.
   /// Begins them, of a stream that is this reader's own; none: those of all readers, see LiveSource.
   std::function<std::unique_ptr<EventSource>()> events{};
+  bool come_again = false;         ///< Refused for now: the same request may be answered some seconds later.
   std::string_view allow{};        ///< The methods that there are; empty: not told.
   std::string attachment{};        ///< A browser is to save it by this name; empty: it is shown.
   std::optional<FileBody> file{};  ///< In place of `body`.
@@ -54,6 +55,8 @@ struct Answer {
 }
 /// `{"error":"…"}`
 [[nodiscard]] Answer refusal(unsigned status, std::string_view why);
+/// 503, since others take too much; the client may come again.
+[[nodiscard]] Answer too_much(std::string_view why);
 /// `{"error":"…","drives":["fan1","pump1"]}`: what there is instead, under `key`.
 [[nodiscard]] Answer refusal(unsigned status, std::string_view why, std::string_view key,
                              std::span<const std::string> known);

@@ -1,25 +1,43 @@
-#include <vector>
+#include <utility>
 
-#include "bridges/alarms/active_alarms_json.h"
 #include "daemon/http/alarm_list.h"
 #include "daemon/http/respond.h"
 
 namespace gateway::http {
 
-std::string active_alarms_text(const process::Plant& plant) {
-  std::vector<alarms::ListedAlarm> listed;
+AlarmList::AlarmList(const process::Plant& plant) {
   for (const process::ActiveAlarm& active : plant.active_alarms()) {
-    if (active.drive != nullptr) {
-      listed.push_back({.drive = active.drive->model().name, .kind = active.kind, .alarm = active.alarm});
-    } else {
-      listed.push_back({.bus = plant.model().buses[active.bus].name, .alarm = active.alarm});
-    }
+    const alarms::Alarm& alarm = *active.alarm;
+    Listed& listed = listed_.emplace_back();
+    listed.alarm.code = alarm.code;
+    listed.alarm.reason = alarm.reason;
+    listed.alarm.text = alarm.text;
+    listed.alarm.severity = alarm.severity;
+    listed.alarm.since = alarm.since;
+    listed.alarm.first = alarm.first;
+    listed.place.kind = active.kind;
+    (active.drive != nullptr ? listed.place.drive : listed.place.bus) =
+        active.drive != nullptr ? active.drive->model().name : plant.model().buses[active.bus].name;
   }
-  return alarms::active_alarms_json(listed);
+}
+
+Progress AlarmList::word(std::string& out, std::size_t most) {
+  out += next_ == 0 ? "[" : "";
+  for (std::size_t worded = 0; worded < most && next_ < listed_.size(); ++worded, ++next_) {
+    out += next_ == 0 ? "" : ",";
+    Listed& listed = listed_[next_];
+    listed.place.alarm = &listed.alarm;
+    alarms::append_listed(out, listed.place);
+  }
+  const bool goes_on = next_ < listed_.size();
+  out += goes_on ? "" : "]";
+  return {.goes_on = goes_on, .kept = (listed_.size() - next_) * sizeof(Listed)};
 }
 
 Answer active_alarms(const Site& site) {
-  return {.body = active_alarms_text(site.plant)};
+  Answer answer;
+  answer.rest = [list = AlarmList(site.plant)](std::string& text) mutable { return list.word(text); };
+  return answer;
 }
 
 }  // namespace gateway::http

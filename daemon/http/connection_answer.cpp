@@ -57,7 +57,7 @@ Answer Connection::begin_answer(const Request& request) {
   Answer answer = shared_.respond(request);
   if (answer.stream && request.method == Method::get) {
     if (!shared_.may_stream(from_)) {
-      return refusal(503, "too many readers of the stream; close some, or ask for what you need");
+      return too_much("too many readers of the stream; close some, or ask for what you need");
     }
     streams_ = true;
   }
@@ -116,7 +116,7 @@ awaitable<bool> Connection::word_rest(Answer& answer) {
     has_room = hold(answer.body.size() + progress.kept);
   }
   if (!has_room) {
-    answer = refusal(503, "too many large answers wait for clients that do not take them; ask again");
+    answer = too_much("too many large answers wait for clients that do not take them; ask again");
   }
   co_return true;
 }

@@ -42,18 +42,20 @@ History::History(const boost::asio::any_io_executor& executor, const process::Pl
 }
 
 void History::start() {
+  runs_ = true;
   timer_.expires_after(kPeriod);
   arm();
 }
 
 void History::stop() {
+  runs_ = false;
   timer_.cancel();
 }
 
-// From one expiry to the next: late turns of the loop add nothing up.
+// From one expiry to the next: late turns of the loop add nothing up. One that was stopped may have expired before.
 void History::arm() {
   timer_.async_wait([this](const boost::system::error_code& error) {
-    if (error) {
+    if (error || !runs_) {
       return;
     }
     sample();

@@ -46,6 +46,7 @@ class History {
 
   const process::Plant& plant_;
   canopen::Timer timer_;
+  bool runs_ = false;
   std::vector<Trend> trends_;
   std::size_t rows_ = kSamples;           ///< Kept of each drive.
   std::vector<canopen::WallTime> times_;  ///< By row.

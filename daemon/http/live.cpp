@@ -1,8 +1,9 @@
 #include "daemon/http/live.h"
 
+#include <utility>
+
 #include "bridges/process/drive.h"
 #include "daemon/control/status_json.h"
-#include "daemon/http/alarm_list.h"
 
 namespace gateway::http {
 
@@ -14,12 +15,12 @@ Live::Live(const process::Plant& plant) : plant_(plant), drives_(plant.size()) {
 
 void Live::append_rest(std::string& out, Place& place) {
   if (place.alarms < alarms_) {
-    if (alarms_worded_ < alarms_) {
-      alarms_text_ = active_alarms_text(plant_);
-      alarms_worded_ = alarms_;
+    if (!word_alarms()) {
+      place.more = true;
+      return;
     }
     append_event(out, "alarms", alarms_text_);
-    place.alarms = alarms_;
+    place.alarms = alarms_worded_;
   }
   std::size_t worded = 0;
   std::size_t looked = 0;
@@ -37,6 +38,25 @@ void Live::append_rest(std::string& out, Place& place) {
     }
   }
   place.more = looked < drives_.size();
+}
+
+// What changes while a list is worded comes with the next list.
+bool Live::word_alarms() {
+  if (alarms_worded_ == alarms_) {
+    return true;
+  }
+  const canopen::TimePoint now = canopen::Clock::now();
+  // The reader that it was begun for may have left since.
+  if (!alarms_begun_ || now - alarms_begun_->at > kSilence) {
+    alarms_begun_.emplace(Begun{.list = AlarmList(plant_), .change = alarms_, .at = now, .text = {}});
+  }
+  if (alarms_begun_->list.word(alarms_begun_->text).goes_on) {
+    return false;
+  }
+  alarms_text_ = std::move(alarms_begun_->text);
+  alarms_worded_ = alarms_begun_->change;
+  alarms_begun_.reset();
+  return true;
 }
 
 // One that comes later is told no age of long ago.

@@ -9,6 +9,7 @@
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
+#include "daemon/http/alarm_list.h"
 
 namespace gateway::http {
 
@@ -20,7 +21,7 @@ class Live final : public process::Observer {
   static constexpr canopen::Duration kPace = std::chrono::milliseconds(250);
   /// So often it hears something at least.
   static constexpr canopen::Duration kSilence = std::chrono::seconds(15);
-  /// Of one piece of the stream; what does not fit comes with the next.
+  /// Of one piece of the stream; what does not fit comes with the next. One list of alarms may be longer.
   static constexpr std::size_t kMostBytes = 64UL * 1024;
   /// Drives that are worded for one piece; likewise.
   static constexpr std::size_t kMostWorded = 8;
@@ -72,7 +73,17 @@ class Live final : public process::Observer {
     std::vector<std::optional<canopen::Raw>> values{};  ///< By signal; nothing: not fresh, or never heard.
   };
 
+  /// A list of alarms that is being worded.
+  struct Begun {
+    AlarmList list;
+    std::uint64_t change = 0;  ///< The newest that it shows.
+    canopen::TimePoint at{};
+    std::string text;
+  };
+
   void append_rest(std::string& out, Place& place);
+  /// A piece's work on the list of alarms. False: there is more to word.
+  [[nodiscard]] bool word_alarms();
   [[nodiscard]] static bool is_worded(const Shown& shown);
   void word(std::size_t drive);
 
@@ -82,6 +93,7 @@ class Live final : public process::Observer {
   std::uint64_t alarms_ = 1;
   std::uint64_t alarms_worded_ = 0;  ///< The change that `alarms_text_` shows.
   std::string alarms_text_;
+  std::optional<Begun> alarms_begun_;
 };
 
 }  // namespace gateway::http

@@ -8,6 +8,8 @@ namespace gateway::http {
 
 /// `/metrics`
 [[nodiscard]] Answer metrics(const Site& site);
+/// Error frames among the newest ErrorShare::kWindow frames, or among all where there were fewer: 0 to 1.
+[[nodiscard]] double error_share(const canopen::BusStatistics& counted);
 
 // Its parts; those of drives for one drive at a time.
 void add_buses(Families& families, const process::Plant& plant);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -48,7 +49,7 @@ void BusFamilies::add(const std::string& name, const BusState& bus, const BusSta
     load.add(labels, counted.load_per_mille / 1000.0);
     highest.add(labels, counted.highest_load_per_mille / 1000.0);
   }
-  errors.add(labels, counted.error_frames / static_cast<double>(canopen::ErrorShare::kWindow));
+  errors.add(labels, error_share(counted));
   transmit.add(labels, std::uint64_t{bus.transmit_errors});
   receive.add(labels, std::uint64_t{bus.receive_errors});
   up.add(labels, bus.up());
@@ -58,6 +59,12 @@ void BusFamilies::add(const std::string& name, const BusState& bus, const BusSta
 }
 
 }  // namespace
+
+double error_share(const BusStatistics& counted) {
+  const std::uint64_t seen = counted.frames_received + counted.frames_sent + counted.error_frames;
+  const std::uint64_t among = std::clamp<std::uint64_t>(seen, 1, canopen::ErrorShare::kWindow);
+  return counted.error_frames / static_cast<double>(among);
+}
 
 void add_buses(Families& families, const process::Plant& plant) {
   BusFamilies buses;

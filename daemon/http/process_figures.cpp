@@ -18,7 +18,8 @@ std::string read_all(const char* path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// When the machine started: the line `btime 1767323045`.
+// When the machine started: the line `btime 1767323045`. The file is slow on a machine of many processors, and the line
+// moves when the time of day is set.
 double boot_time() {
   std::istringstream stat(read_all("/proc/stat"));
   for (std::string line; std::getline(stat, line);) {
@@ -61,9 +62,10 @@ void read_stat(ProcessFigures& figures) {
   std::uint64_t pages = 0;
   fields >> started >> figures.virtual_bytes >> pages;
   if (fields) {
+    static const double booted = boot_time();
     const auto ticks = static_cast<double>(::sysconf(_SC_CLK_TCK));
     figures.cpu_seconds = (user + system) / ticks;
-    figures.start_time = boot_time() + started / ticks;
+    figures.start_time = booted + started / ticks;
     figures.resident_bytes = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   }
 }

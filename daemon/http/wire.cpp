@@ -139,7 +139,7 @@ std::string word_head(const Answer& answer, bool keep_alive) {
   if (!answer.allow.empty()) {
     head += fmt::format("Allow: {}\r\n", answer.allow);
   }
-  if (answer.status == 503) {
+  if (answer.come_again) {
     head += "Retry-After: 5\r\n";
   }
   return head + (keep_alive && !answer.stream ? "Connection: keep-alive\r\n\r\n" : "Connection: close\r\n\r\n");

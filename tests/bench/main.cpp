@@ -4,7 +4,7 @@
 
 #include "tests/bench/parts.h"
 
-// gateway_bench modbus | mqtt | latency | storm | buses | survey | recorder | frames INTERFACE
+// gateway_bench modbus | mqtt | latency | storm | readers | buses | survey | recorder | frames INTERFACE
 int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "";
   try {
@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
       bench::latency();
     } else if (part == "storm" && argc == 2) {
       bench::storm();
+    } else if (part == "readers" && argc == 2) {
+      bench::readers();
     } else if (part == "buses" && argc == 2) {
       bench::buses();
     } else if (part == "survey" && argc == 2) {
@@ -26,7 +28,7 @@ int main(int argc, char** argv) {
       bench::frames(argv[2]);
     } else {
       std::fputs(
-          "usage: gateway_bench modbus | mqtt | latency | storm | buses | survey | recorder | frames INTERFACE\n",
+          "usage: gateway_bench modbus | mqtt | latency | storm | readers | buses | survey | recorder | frames INTERFACE\n",
           stderr);
       return 2;
     }

@@ -22,5 +22,7 @@ void mqtt();
 void latency();
 /// Round trips of Modbus reads and set-points beside a storm of emergencies, against those just before it.
 void storm();
+/// Round trips of Modbus reads with 200 slow readers of the live stream, against those without, beside a full bus.
+void readers();
 
 }  // namespace bench

@@ -101,4 +101,10 @@ bool SiteInThread::wait_online() {
   return false;
 }
 
+std::uint64_t SiteInThread::frames_received() {
+  std::uint64_t received = 0;
+  on_loop([&] { received = gateway_.plant().bus_statistics(0).frames_received; });
+  return received;
+}
+
 }  // namespace bench

@@ -32,6 +32,8 @@ class SiteInThread {
   void on_loop(const std::function<void()>& work);
   /// False when not all drives came online in time.
   [[nodiscard]] bool wait_online();
+  /// By the gateway, since its start.
+  [[nodiscard]] std::uint64_t frames_received();
   [[nodiscard]] canopen::VirtualBus& bus() noexcept { return bus_; }
   [[nodiscard]] boost::asio::io_context& loop() noexcept { return loop_; }
   /// The thread of the loop.

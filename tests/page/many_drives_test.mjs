@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { Demo, openBrowser, openPage, until } from './support.mjs';
 
 const DRIVES = 127;
-const LONGEST_TASK = 100;  // ms
+const LONGEST_TASK = 100;  // ms of the processor: what others of this machine do is no fault of the page
 const seconds = Number(process.env.PAGE_SECONDS ?? 10);
 
 // Two buses, since the gateway takes a node id of each; the simulator wants each node id once.
@@ -39,21 +39,28 @@ async function driveThemAll(demo) {
   return { stop: () => { clearInterval(timer); socket.destroy(); }, answers: () => answers };
 }
 
-// Before anything of the page runs: every long task is noted.
-function watch() {
-  globalThis.longTasks = [];
-  new PerformanceObserver((list) => globalThis.longTasks.push(...list.getEntries().map((entry) => entry.duration)))
-    .observe({ type: 'longtask', buffered: true });
+// A task that is too long, to see that it is noted: some half a second.
+function tarry() {
+  let sum = 0;
+  for (let i = 0; i < 5e8; ++i) {
+    sum += i % 7;
+  }
+  return sum;
 }
 
-// A task that is too long, to see that it would be noted.
-function tarry(least) {
-  return new Promise((resolve) => setTimeout(() => {
-    const end = performance.now() + least;
-    while (performance.now() < end);
-    setTimeout(() => resolve(globalThis.longTasks.at(-1) ?? 0), 200);
-  }));
+/** The tasks of the page's thread since the trace began, in ms: of the processor (where that was taken; else, with tasks of
+    a microsecond, by the clock), and by the clock; the longest first. */
+async function tasksOf(browser) {
+  const { traceEvents } = JSON.parse(await browser.stopTracing());
+  const threads = new Set(traceEvents.filter((event) => event.name === 'thread_name' && event.args.name === 'CrRendererMain')
+    .map((event) => `${event.pid}/${event.tid}`));
+  return traceEvents.filter((event) => event.ph === 'X' && event.name === 'ThreadControllerImpl::RunTask'
+    && threads.has(`${event.pid}/${event.tid}`))
+    .map((event) => ({ processor: (event.tdur ?? event.dur) / 1000, clock: event.dur / 1000 }))
+    .sort((one, other) => other.processor - one.processor);
 }
+
+const trace = (browser, page) => browser.startTracing(page, { categories: ['toplevel'] });
 
 test(`no task of the page takes ${LONGEST_TASK} ms, ${seconds} s long`, async () => {
   const demo = await Demo.start(site);
@@ -61,7 +68,7 @@ test(`no task of the page takes ${LONGEST_TASK} ms, ${seconds} s long`, async ()
   try {
     await until('all drives are online', async () => (await demo.get('health')).drives_online === DRIVES, 60);
     const { page, notes } = await openPage(browser, 'about:blank', { viewport: { width: 1280, height: 900 } });
-    await page.addInitScript(watch);
+    await trace(browser, page);
     const moving = await driveThemAll(demo);
     await page.goto(demo.url);
     await until('all drives are shown', async () => await page.locator('#drive-list > li .badge').count() === DRIVES);
@@ -79,13 +86,18 @@ test(`no task of the page takes ${LONGEST_TASK} ms, ${seconds} s long`, async ()
     await page.locator('#drive-filter').fill('drive12');
     await until('the filter shows some', async () => await page.locator('#drive-list > li:not([hidden])').count() === 9);
     moving.stop();
-    const { tasks, changes } = await page.evaluate(() => ({ tasks: globalThis.longTasks, changes: globalThis.changes }));
-    console.log(`${changes} changes, ${tasks.length} tasks over 50 ms, the longest ${Math.max(0, ...tasks)} ms`);
+    const changes = await page.evaluate(() => globalThis.changes);
+    const tasks = await tasksOf(browser);
+    console.log(`${changes} changes, ${tasks.length} tasks, the longest ${tasks[0].processor} ms of the processor, `
+      + `${Math.max(...tasks.map((task) => task.clock))} ms by the clock`);
     assert.ok(moving.answers() > 20, 'drives were commanded');
     assert.ok(changes > 20 * seconds, `${changes} changes`);
-    assert.deepEqual(tasks.filter((duration) => duration > LONGEST_TASK), []);
+    assert.ok(tasks.length > 10 * seconds, `${tasks.length} tasks`);
+    assert.deepEqual(tasks.filter((task) => task.processor > LONGEST_TASK), []);
     assert.deepEqual(notes.complaints, []);
-    assert.ok(await page.evaluate(tarry, 2 * LONGEST_TASK) > LONGEST_TASK, 'long tasks are noted');
+    await trace(browser, page);
+    await page.evaluate(tarry);
+    assert.ok((await tasksOf(browser))[0].processor > LONGEST_TASK, 'long tasks are noted');
   } finally {
     await browser.close();
     await demo.end();

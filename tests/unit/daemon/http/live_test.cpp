@@ -75,14 +75,48 @@ TEST_F(HttpLive, WhoComesLaterIsToldTheAgesOfThen) {
   EXPECT_THAT(take(late), HasSubstr("data: " + told + "\n"));
 }
 
-TEST_F(HttpLive, APieceWordsSomeDrivesOnly) {
+// None of them is there.
+config::Model model_of(std::size_t drives) {
   config::Model model = test::shown_model();
-  while (model.drives.size() < Live::kMostWorded + 3) {
-    config::Drive drive = model.drives.front();
+  const config::Drive like = model.drives.front();
+  model.drives.clear();
+  while (model.drives.size() < drives) {
+    config::Drive& drive = model.drives.emplace_back(like);
     drive.name += std::to_string(model.drives.size());
-    drive.node.node = static_cast<std::uint8_t>(100 + model.drives.size());
-    model.drives.push_back(drive);
+    drive.node.node = static_cast<std::uint8_t>(model.drives.size());
   }
+  return model;
+}
+
+TEST_F(HttpLive, AListOfAlarmsIsWordedInPieces) {
+  const config::Model model = model_of(AlarmList::kOfPiece + 10);
+  canopen::VirtualBus wire{loop_.executor()};
+  Gateway gateway{loop_.executor(), model, [&wire](const config::Bus&) { return wire.connect(); }};
+  Live live(gateway.plant());
+  gateway.plant().add(live);
+  gateway.start();
+  ASSERT_TRUE(loop_.advance_until([&] { return gateway.plant().active_alarms().size() >= model.drives.size(); }, 60s));
+  const auto next_of = [&live](Live::Place& place) { return live.take(place, [] { return std::string("{}"); }); };
+  const auto alarms_in = [](const std::string& events) {
+    const std::size_t begin = events.find("event: alarms\ndata: ");
+    return begin == std::string::npos
+               ? std::size_t{0}
+               : boost::json::parse(events.substr(begin + 20, events.find('\n', begin + 20) - begin - 20))
+                     .as_array()
+                     .size();
+  };
+  Live::Place place = live.begin();
+  EXPECT_EQ(next_of(place), "event: health\ndata: {}\n\n");
+  EXPECT_TRUE(place.more);
+  EXPECT_EQ(alarms_in(next_of(place)), gateway.plant().active_alarms().size());
+  Live::Place left = live.begin();
+  EXPECT_EQ(alarms_in(next_of(left)), gateway.plant().active_alarms().size()) << "it is worded already";
+  const auto stopped = support::spawn(loop_.executor(), gateway.stop());
+  EXPECT_TRUE(loop_.advance_until([&] { return *stopped; }, 5s));
+}
+
+TEST_F(HttpLive, APieceWordsSomeDrivesOnly) {
+  const config::Model model = model_of(Live::kMostWorded + 3);
   canopen::VirtualBus wire{loop_.executor()};
   Gateway gateway{loop_.executor(), model, [&wire](const config::Bus&) { return wire.connect(); }};
   Live live(gateway.plant());

@@ -41,6 +41,14 @@ TEST_F(HttpMetrics, TellOfBusesAndDrives) {
   EXPECT_THAT(told, Not(HasSubstr("mqtt")));
 }
 
+TEST(HttpErrorShare, IsOfTheFramesThatThereWere) {
+  EXPECT_EQ(error_share({}), 0.0);
+  EXPECT_EQ(error_share({.frames_received = 4, .frames_sent = 1, .error_frames = 5}), 0.5);
+  EXPECT_EQ(error_share({.error_frames = 3}), 1.0);
+  EXPECT_EQ(error_share({.frames_received = 800'000, .frames_sent = 200'000, .error_frames = 5}), 0.0005)
+      << "of the newest 10 000";
+}
+
 TEST_F(HttpMetrics, TellOfAlarms) {
   drives_[1]->power_off();
   loop_.advance(5s);

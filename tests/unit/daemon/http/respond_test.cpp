@@ -8,6 +8,7 @@
 #include <boost/json/serialize.hpp>
 #include <string>
 
+#include "daemon/http/alarm_list.h"
 #include "tests/unit/daemon/http/shown_plant.h"
 
 namespace gateway::http {
@@ -66,6 +67,8 @@ TEST(HttpHealth, WithoutADriveNothingIsWell) {
   EXPECT_TRUE(process::is_well(health));
   health.buses.push_back({.name = "can1", .condition = canopen::BusCondition::down});
   EXPECT_FALSE(process::is_well(health));
+  health.buses.back().in_service = false;
+  EXPECT_TRUE(process::is_well(health)) << "a spare bus, or one whose drives are all switched off for the winter";
 }
 
 TEST_F(HttpRespond, FiguresOfTheGateway) {
@@ -130,6 +133,31 @@ TEST_F(HttpRespond, AlarmsAreThoseThatAreActive) {
   ASSERT_EQ(active.size(), 1U);
   EXPECT_EQ(active.at(0).as_object().at("drive").as_string(), "pump1");
   EXPECT_EQ(active.at(0).as_object().at("kind").as_string(), "heartbeat");
+}
+
+TEST_F(HttpRespond, AlarmsAreWordedInPiecesAndOfOneMoment) {
+  for (const auto& drive : drives_) {
+    drive->power_off();
+  }
+  loop_.advance(5s);
+  AlarmList list(site_.plant);
+  std::string pieces;
+  EXPECT_TRUE(list.word(pieces, 3).goes_on);
+  EXPECT_EQ(std::ranges::count(pieces, '{'), 3);
+  drives_[1]->power_on();
+  loop_.advance(5s);
+  EXPECT_FALSE(list.word(pieces, 3).goes_on);
+  EXPECT_EQ(boost::json::parse(pieces).as_array().size(), 4U) << "as it was when the first piece was worded";
+  EXPECT_EQ(json("/api/alarms").as_array().size(), 3U);
+}
+
+TEST_F(HttpRespond, AHistoryThatIsStoppedAsItsTimerExpiresStaysSo) {
+  canopen::Timer first(loop_.executor());
+  first.expires_after(History::kPeriod);
+  first.async_wait([this](const boost::system::error_code& /*error*/) { history_.stop(); });
+  history_.start();
+  loop_.advance(5s);
+  EXPECT_TRUE(json("/api/history?drive=pump1").as_object().at("samples").as_array().empty());
 }
 
 TEST_F(HttpRespond, TheMapIsThatOfTheCommandLine) {

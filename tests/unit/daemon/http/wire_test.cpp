@@ -113,6 +113,8 @@ TEST(HttpWire, WordsAnswers) {
       "Connection: keep-alive\r\n\r\n");
   EXPECT_THAT(word_head(refusal(503, "busy"), false), HasSubstr("503 Service Unavailable\r\n"));
   EXPECT_THAT(word_head(refusal(503, "busy"), false), HasSubstr("\r\nConnection: close\r\n"));
+  EXPECT_THAT(word_head(too_much("busy"), false), HasSubstr("\r\nRetry-After: 5\r\n"));
+  EXPECT_THAT(word_head({.status = 503}, true), Not(HasSubstr("Retry-After"))) << "/health knows of no such time";
   EXPECT_THAT(head, Not(HasSubstr("Server")));
 }
 
