@@ -23,6 +23,11 @@ add_link_options("$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>")
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options(-Wno-subobject-linkage)
 endif()
+# The precompiled headers are more than g++ means to keep before it collects garbage: each collection walks through them
+# and finds nothing. Half a gigabyte before the first one saves an eighth of the time.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options("$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=600000>")
+endif()
 if(GATEWAY_SANITIZE)
   add_compile_options(-fsanitize=${GATEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${GATEWAY_SANITIZE})
