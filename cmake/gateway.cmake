@@ -23,6 +23,11 @@ add_link_options("$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>")
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options(-Wno-subobject-linkage)
 endif()
+# The precompiled headers are more than g++ means to keep before it collects garbage: each collection walks through them
+# and finds nothing. Half a gigabyte before the first one saves an eighth of the time.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options("$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=600000>")
+endif()
 if(GATEWAY_SANITIZE)
   add_compile_options(-fsanitize=${GATEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${GATEWAY_SANITIZE})
@@ -75,6 +80,13 @@ function(gateway_test_program name)
   target_precompile_headers(${name} REUSE_FROM precompiled_test)
 endfunction()
 
+# ./test gives ctest two places for each processor and one more. What works takes two places,
+# what waits more than it works takes one: one that waits runs beside as many that work as there are processors.
+set(GATEWAY_WORKS PROCESSORS 2)
+set(GATEWAY_WAITS PROCESSORS 1)
+# What has no deadline gives way to what has: the user-mode kernel finds a processor whenever it needs it.
+set(GATEWAY_GIVES_WAY nice -n 19)
+
 # A process for each case would take longer to start than most cases take. Two of a program keep two processors busy.
 # GoogleTest names a case before it runs, so the last line of one that crashes or hangs names it. A program without
 # cases, and a case that is skipped, would pass.
@@ -84,8 +96,8 @@ function(gateway_test name)
   set(shards 2)
   foreach(shard RANGE 1 ${shards})
     math(EXPR index "${shard} - 1")
-    add_test(NAME ${name}.${shard} COMMAND ${name})
-    set_tests_properties(${name}.${shard} PROPERTIES LABELS unit TIMEOUT 300
+    add_test(NAME ${name}.${shard} COMMAND ${GATEWAY_GIVES_WAY} $<TARGET_FILE:${name}>)
+    set_tests_properties(${name}.${shard} PROPERTIES LABELS unit TIMEOUT 300 ${GATEWAY_WORKS}
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${index}"
       FAIL_REGULAR_EXPRESSION "Running 0 tests;\\[  SKIPPED \\]")
   endforeach()
@@ -93,10 +105,10 @@ endfunction()
 
 # What is tested on vcan is the release build: AddressSanitizer does not run in the user-mode kernel, and this is what
 # is installed. They know deadlines, and the user-mode kernel has one processor: one of them at a time, and what else runs
-# has the other processors. They make the longest chain, so it begins first.
+# gives way. Half of the time they wait. They make the longest chain, so it begins first.
 function(gateway_add_vcan_test name)
   add_test(NAME vcan.${name} COMMAND "${PROJECT_SOURCE_DIR}/tests/vcan/run" -t 280 -- ${ARGN})
-  set_tests_properties(vcan.${name} PROPERTIES LABELS vcan TIMEOUT 300 RESOURCE_LOCK vcan COST 2000
+  set_tests_properties(vcan.${name} PROPERTIES LABELS vcan TIMEOUT 300 RESOURCE_LOCK vcan COST 2000 ${GATEWAY_WAITS}
     ENVIRONMENT "GATEWAY_BIN=${GATEWAY_RELEASE_DIR}/daemon/canopen-gateway")
 endfunction()
 

@@ -33,7 +33,7 @@ constexpr std::array<SizeUnit, 4> kSizeUnits{{{"GB", 1'000'000'000}, {"MB", 1'00
 
 constexpr double kLargestSize = 1e15;
 
-constexpr canopen::Duration kLongest = std::chrono::hours(24 * 3650);
+constexpr canopen::Duration kLongestDuration = std::chrono::hours(24 * 3650);
 
 bool is_digit(char c) noexcept {
   return c >= '0' && c <= '9';
@@ -73,7 +73,7 @@ std::optional<canopen::Duration> parse_duration(std::string_view text) {
   }
   const auto& [number, unit] = *amount;
   const double nanoseconds = number * static_cast<double>(unit.length.count());
-  if (nanoseconds > static_cast<double>(kLongest.count())) {
+  if (nanoseconds > static_cast<double>(kLongestDuration.count())) {
     return std::nullopt;
   }
   return canopen::Duration(std::llround(nanoseconds));
