@@ -16,13 +16,12 @@ namespace gateway {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using Time = std::chrono::steady_clock;
 
 // One answer: the transfers of others go first, and a drive that is silent costs its timeouts.
-constexpr seconds kPatience(15);
+constexpr std::chrono::seconds kPatience(15);
 // All of it. 127 drives of 60 objects take half a minute where SDO has a tenth of 250 kbit/s.
-constexpr seconds kTogether(180);
+constexpr std::chrono::seconds kTogether(180);
 
 constexpr const char* kStatus = R"({"id":1,"op":"status"})";
 

@@ -24,7 +24,7 @@ struct Resource {
   std::span<const std::string_view> parameters{};
 };
 
-constexpr std::array<Resource, 10> kResources{
+constexpr std::array<Resource, 12> kResources{
     {{"/metrics", [](const Site& site, const Target&) { return metrics(site); }},
      {"/health", [](const Site& site, const Target&) { return health(site); }},
      {"/api/drives", [](const Site& site, const Target&) { return drives(site); }},

@@ -10,27 +10,27 @@ namespace {
 using namespace std::chrono_literals;
 using support::frame;
 
-constexpr std::uint8_t kNode = 5;
-constexpr std::uint8_t kOperational = 5;
+constexpr std::uint8_t kOneNode = 5;
+constexpr std::uint8_t kOperationalState = 5;
 
 class NodeTableTest : public testing::Test {
  protected:
   NodeTableTest() {
-    table_.set_timeout(kNode, 2s);
+    table_.set_timeout(kOneNode, 2s);
     serve(true);
   }
-  void serve(bool served) { table_.set_served(NodeSet().set(kNode, served)); }
-  void heartbeat(Duration after, std::uint8_t state = kOperational) {
+  void serve(bool served) { table_.set_served(NodeSet().set(kOneNode, served)); }
+  void heartbeat(Duration after, std::uint8_t state = kOperationalState) {
     moment_.at += after;
-    table_.hear_error_control(kNode, frame(0x705, state), moment_);
+    table_.hear_error_control(kOneNode, frame(0x705, state), moment_);
   }
   void request(Duration after, bool ours = true, std::uint8_t first = 0x40) {
     moment_.at += after;
-    table_.hear_request(kNode, frame(0x605, first), ours, moment_);
+    table_.hear_request(kOneNode, frame(0x605, first), ours, moment_);
   }
   void answer(Duration after) {
     moment_.at += after;
-    table_.hear_answer(kNode, moment_);
+    table_.hear_answer(kOneNode, moment_);
   }
   [[nodiscard]] NodeHealth told() const { return table_.of_day(moment_.hour).at(0); }
 
@@ -45,7 +45,7 @@ TEST_F(NodeTableTest, TheMarginIsWhatTheLongestGapLeavesOfTheTimeout) {
   heartbeat(500ms);
   heartbeat(1500ms);
   heartbeat(1000ms);
-  EXPECT_EQ(told().node, kNode);
+  EXPECT_EQ(told().node, kOneNode);
   EXPECT_NEAR(told().worst_margin().value(), 0.25, 0.001);
   EXPECT_NEAR(told().best_margin().value(), 0.75, 0.001);
   heartbeat(9s);
@@ -75,7 +75,7 @@ TEST_F(NodeTableTest, AGapInWhichFramesWereLostIsNotTheDrives) {
 }
 
 TEST_F(NodeTableTest, WithoutATimeoutThereIsNoMargin) {
-  table_.set_timeout(kNode, 0s);
+  table_.set_timeout(kOneNode, 0s);
   heartbeat(0ms);
   heartbeat(500ms);
   EXPECT_FALSE(told().worst_margin());
@@ -122,7 +122,7 @@ TEST_F(NodeTableTest, TheWorstMarginIsForgottenAfterADay) {
 
 TEST_F(NodeTableTest, OfWhomNothingIsKnownNothingIsTold) {
   EXPECT_EQ(table_.of_day(1).size(), 1U);
-  table_.hear_error_control(77, frame(0x74D, kOperational), moment_);
+  table_.hear_error_control(77, frame(0x74D, kOperationalState), moment_);
   EXPECT_EQ(table_.of_day(1).size(), 1U) << "a stranger, whom nobody waits for";
 }
 
