@@ -32,6 +32,14 @@ std::optional<std::uint64_t> size_of(int directory, const std::string& name) {
   return found ? std::optional(static_cast<std::uint64_t>(facts.st_size)) : std::nullopt;
 }
 
+Failure write_all(std::string_view text, WholeFile& file) {
+  if (Failure failure = file.open()) {
+    return failure;
+  }
+  Failure failure = file.append(text);
+  return failure ? failure : file.sync();
+}
+
 bool is_leftover(std::string_view file) {
   if (!file.ends_with(kNewSuffix)) {
     return false;
@@ -154,16 +162,15 @@ Failure RecordStore::write(const Record& record) {
   if (Failure failure = write_log(record, log, figures)) {
     return failure;
   }
-  Failure failure = beside.open();
-  if (failure || (failure = beside.append(record_json(record, figures))) || (failure = beside.sync())) {
+  if (Failure failure = write_all(record_json(record, figures), beside)) {
     return failure;
   }
   make_room(log.size() + beside.size());
   // A JSON never stands alone: who removes one later has the log to find it by.
-  if ((failure = log.name())) {
+  if (Failure failure = log.name()) {
     return failure;
   }
-  if ((failure = beside.name())) {
+  if (Failure failure = beside.name()) {
     unlinkat(lock_.get(), (stem + std::string(kLogSuffix)).c_str(), 0);
     return failure;
   }
