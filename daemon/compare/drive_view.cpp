@@ -2,8 +2,6 @@
 
 namespace gateway::compare {
 
-using Level = config::Finding::Level;
-
 std::string place_of_drive(const std::string& name) {
   return "drive \"" + name + "\"";
 }
@@ -18,12 +16,13 @@ Reading DriveView::read(canopen::ObjectAddress object, canopen::DataType type, c
       ++counts_.absent;
       break;
     case Reading::Kind::unreadable:
-      note(Level::warning, canopen::to_string(object) + " " + name + " cannot be compared: " + reading.reason);
+      note(config::Finding::Level::warning,
+           canopen::to_string(object) + " " + name + " cannot be compared: " + reading.reason);
       break;
     case Reading::Kind::silent:
       silent_ = true;
-      note(Level::warning, "does not answer, so the rest of it was not compared: " + canopen::to_string(object) + " " +
-                               name + ": " + reading.reason);
+      note(config::Finding::Level::warning, "does not answer, so the rest of it was not compared: " +
+                                                canopen::to_string(object) + " " + name + ": " + reading.reason);
       break;
     case Reading::Kind::value:
       break;
@@ -31,7 +30,7 @@ Reading DriveView::read(canopen::ObjectAddress object, canopen::DataType type, c
   return reading;
 }
 
-void DriveView::compare(const canopen::SetupItem& item, Level level, const std::string& remedy) {
+void DriveView::compare(const canopen::SetupItem& item, config::Finding::Level level, const std::string& remedy) {
   const Reading found = read(item.object, item.type, item.name);
   if (found.kind != Reading::Kind::value) {
     return;
@@ -39,14 +38,14 @@ void DriveView::compare(const canopen::SetupItem& item, Level level, const std::
   if (((found.raw ^ item.wanted) & item.mask) == 0) {
     as_it_should();
   } else if (canopen::will_do(item, found.raw)) {
-    note(Level::warning, canopen::difference_text(item, found.raw) + ", which will do");
+    note(config::Finding::Level::warning, canopen::difference_text(item, found.raw) + ", which will do");
   } else {
     note(level, canopen::difference_text(item, found.raw) + remedy);
   }
 }
 
-void DriveView::note(Level level, const std::string& text) {
-  differs_ = differs_ || level == Level::error;
+void DriveView::note(config::Finding::Level level, const std::string& text) {
+  differs_ = differs_ || level == config::Finding::Level::error;
   findings_.push_back({.file = place_of_drive(drive_.name), .level = level, .text = text});
 }
 
