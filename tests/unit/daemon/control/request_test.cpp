@@ -52,7 +52,8 @@ TEST(ControlRequest, OfEveryOtherKind) {
 }
 
 TEST(ControlRequest, Streams) {
-  const Line trace = parse_line(R"({"id":1,"op":"trace","names":"pump1,can0","kinds":"sdo","cob_ids":"585","raw":true})");
+  const Line trace =
+      parse_line(R"({"id":1,"op":"trace","names":"pump1,can0","kinds":"sdo","cob_ids":"585","raw":true})");
   ASSERT_TRUE(trace.request.has_value()) << to_string(trace.request.error());
   const Request& request = trace.request.value();
   EXPECT_EQ(request.op, Op::trace);
