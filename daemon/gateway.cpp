@@ -130,14 +130,6 @@ Gateway::Gateway(boost::asio::any_io_executor executor, const config::Model& mod
 
 Gateway::~Gateway() = default;
 
-std::unique_ptr<trace::Feed> Gateway::make_trace() {
-  std::vector<canopen::Bus*> buses;
-  for (const BusInUse& in_use : buses_) {
-    buses.push_back(in_use.bus.get());
-  }
-  return std::make_unique<trace::Feed>(plant_.model(), std::move(buses));
-}
-
 void Gateway::follow_bus(const boost::asio::any_io_executor& executor, std::size_t i) {
   BusInUse& in_use = buses_[i];
   in_use.state =

@@ -120,7 +120,7 @@ std::string owner_of(const config::Model& model, const Entry& entry) {
 }
 
 std::string emcy_words(const config::Drive* drive, const Entry& entry) {
-  static const config::FaultRules kNoRules;
+  static const config::FaultRules no_rules;
   const canopen::EmcySettings settings = drive != nullptr ? drive->node.emcy : canopen::EmcySettings{};
   const std::optional<canopen::Emcy> emcy = canopen::decode_emcy(settings, entry.frame.bytes());
   if (entry.frame.remote || !emcy) {
@@ -135,7 +135,7 @@ std::string emcy_words(const config::Drive* drive, const Entry& entry) {
     return code + ", an error is over" +
            (emcy->remaining > 0 ? ", " + std::to_string(emcy->remaining) + " remain" : std::string()) + rest;
   }
-  const config::FaultText named = alarms::name_emcy(drive != nullptr ? drive->faults : kNoRules, settings, *emcy);
+  const config::FaultText named = alarms::name_emcy(drive != nullptr ? drive->faults : no_rules, settings, *emcy);
   return code + (named.severity == config::Severity::fault ? " fault: " : " warning: ") + named.text + rest;
 }
 

@@ -79,14 +79,14 @@ void take_frames(const config::Model& model, const std::uint8_t* data, std::size
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const config::Model kModel = make_model();
-  trace::LogDecoder log(kModel, {}, false,
+  static const config::Model model = make_model();
+  trace::LogDecoder log(model, {}, false,
                         {.line = [](const std::string& line) { check(line); }, .complaint = [](const std::string&) {}});
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::size_t half = size / 2;
   log.take(text.substr(0, half));
   log.take(text.substr(half));
   log.finish();
-  take_frames(kModel, data, size);
+  take_frames(model, data, size);
   return 0;
 }
