@@ -95,10 +95,11 @@ TEST_F(ControlPlant, RecordsWhatIsAskedFor) {
   EXPECT_THAT(ask(R"({"id":1,"op":"record","drive":"pump1"})"),
               AllOf(HasSubstr("\"code\":\"unknown\""), HasSubstr("has no [recorder]")));
   std::string asked;
-  service_ = plant_service(gateway_.plant(), [&](std::size_t bus, const std::string& drive, const std::string& user) {
-    asked = std::to_string(bus) + '|' + drive + '|' + user;
-    return recorder::Recorder::Requested{.name = "x.log", .was_under_way = true, .remaining = 1500ms};
-  });
+  service_ =
+      plant_service(gateway_.plant(), {}, [&](std::size_t bus, const std::string& drive, const std::string& user) {
+        asked = std::to_string(bus) + '|' + drive + '|' + user;
+        return recorder::Recorder::Requested{.name = "x.log", .was_under_way = true, .remaining = 1500ms};
+      });
   EXPECT_EQ(ask(R"({"id":1,"op":"record","drive":"pump1"})"),
             R"({"id":1,"ok":true,"record":"x.log","under_way":true,"remaining_ms":1500})");
   EXPECT_EQ(asked, "0|pump1|anna");
