@@ -1,6 +1,8 @@
 #include "bridges/recorder/frame_ring.h"
 
 #include <algorithm>
+#include <atomic>
+#include <utility>
 
 namespace recorder {
 namespace {
@@ -35,14 +37,22 @@ void FrameRing::begin_chunk(canopen::TimePoint now) {
   if (held_from_) {
     wanted = std::min(wanted, *held_from_);
   }
-  while (!chunks_.empty() && chunks_.front()->back().at < wanted) {
+  std::shared_ptr<FrameChunk> dropped;
+  const auto drop_front = [&] {
+    dropped = std::move(chunks_.front());
     chunks_.pop_front();
+  };
+  while (!chunks_.empty() && chunks_.front()->back().at < wanted) {
+    drop_front();
   }
   while (chunks_.size() >= most_chunks_) {
     dropped_ = chunks_.front()->back().at;
-    chunks_.pop_front();
+    drop_front();
   }
-  chunks_.push_back(std::make_shared<FrameChunk>());
+  // New memory is cleared by the system and by us, which costs more than to write it.
+  const bool is_ours = dropped && dropped.use_count() == 1;
+  std::atomic_thread_fence(std::memory_order_acquire);  // Behind the last look of a thread that had a slice of it.
+  chunks_.push_back(is_ours ? std::move(dropped) : std::make_shared<FrameChunk>());
   used_ = 0;
 }
 
