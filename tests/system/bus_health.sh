@@ -87,7 +87,7 @@ told_once 'can0: no sign any more of the suspicion that wiring or termination ma
 
 say "nobody acknowledges"
 restart_gateway
-wait_until 10 "pump1 online" is_retained pump1/status online
+wait_until 20 "pump1 online" is_retained pump1/status online
 adapter hold
 for ((i = 0; i < 6; i++)); do
   adapter say e1a
@@ -123,7 +123,7 @@ ip link set "$can" down
 ip link set "$can" type can bitrate 20000 || fail "bit rate of $can"
 ip link set "$can" up
 restart_gateway
-wait_until 10 "pump1 online" is_retained pump1/status online
+wait_until 20 "pump1 online" is_retained pump1/status online
 launch flood cangen vcan0 -g 2 -I 28A -L 8 -D 0102030405060708
 suspected overload 20
 expect_match "the sentence" '^the bus may be overloaded: load (9[0-9]|100) %; .*Look first at inhibit times' \
