@@ -20,8 +20,8 @@ namespace bench {
 namespace {
 
 // Many and short ones, in turn: what else the machine does meets both sides alike.
-constexpr int kRounds = 25;
-constexpr std::chrono::milliseconds kRound{250};
+constexpr int kModbusRounds = 25;
+constexpr std::chrono::milliseconds kModbusRound{250};
 constexpr double kLeastRatio = 0.8;
 
 /// Processor time that the thread has used, in µs.
@@ -47,7 +47,7 @@ struct Side {
   /// Requests per second.
   double round(int clients) {
     const double before = used_by(thread);
-    const ModbusTimes times = ask({.port = port, .unit = unit, .clients = clients, .time = kRound});
+    const ModbusTimes times = ask({.port = port, .unit = unit, .clients = clients, .time = kModbusRound});
     used.push_back((used_by(thread) - before) / static_cast<double>(times.took.size()));
     p50.push_back(times.within(0.5));
     p99.push_back(times.within(0.99));
@@ -78,7 +78,7 @@ void modbus() {
     Side gateway{.port = gateway_port, .unit = *site.model().drives.front().unit, .thread = site.thread()};
     const Comparison rates = compare(
         fmt::format("Modbus, function 3, 10 registers, {} client{}", clients, clients == 1 ? "" : "s"), "requests/s",
-        kRounds, [&] { return ceiling.round(clients); }, [&] { return gateway.round(clients); });
+        kModbusRounds, [&] { return ceiling.round(clients); }, [&] { return gateway.round(clients); });
     print(rates);
     ceiling.tell("ceiling");
     gateway.tell("gateway");

@@ -163,6 +163,7 @@ TEST_F(TakeoverTest, AnotherIdentityKeepsItsLetter) {
 
 TEST_F(TakeoverTest, WhatTheDriveLacksIsNoDifference) {
   NodeSettings settings = bench_settings();
+  settings.tpdos[0].mapping_policy = SetupPolicy::verify;
   settings.error_control.supervise_gateway = 2s;
   settings.setup = {{{0x6007, 0}, DataType::i16, 1}};
   running(settings);
