@@ -145,7 +145,11 @@ TEST_F(RecordingTest, TheAlarmNamesItAfterARestart) {
   });
   end(gateway_);
   ended_ = true;
-  Gateway again(loop_.executor(), model_, [this](const config::Bus&) { return wire_.connect(); });
+  // The first one keeps its directory as long as it is there.
+  config::Model model = model_;
+  model.gateway.state_dir = (directory_.path() / "after").string();
+  std::filesystem::copy(directory_.path() / "state", model.gateway.state_dir, std::filesystem::copy_options::recursive);
+  Gateway again(loop_.executor(), model, [this](const config::Bus&) { return wire_.connect(); });
   again.start();
   EXPECT_EQ(again.plant().drive(1).alarm(Kind::emcy).record, before.record);
   loop_.advance(10s);
@@ -154,7 +158,7 @@ TEST_F(RecordingTest, TheAlarmNamesItAfterARestart) {
   EXPECT_EQ(after.record, before.record) << "and it is not recorded again";
   end(again);
   std::size_t files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(records())) {
+  for (const auto& entry : std::filesystem::directory_iterator(directory_.path() / "after" / "records")) {
     files += entry.is_regular_file() ? 1U : 0U;
   }
   EXPECT_EQ(files, 2U);
