@@ -50,7 +50,9 @@ class PdoSetup {
     const Result<Raw> found = co_await session_.read(item.object, item.type);
     if (found.has_error()) {
       absent_ = is_absent(found.error());
-      co_return absent_ ? without_object() : Failure(session_.failure(found.error(), item.name));
+      co_return !absent_                          ? Failure(session_.failure(found.error(), item.name))
+      : pdo_.mapping_policy == SetupPolicy::write ? without_mapping()
+                                                  : std::nullopt;
     }
     cob_id_ = found.value();
     Failure failure = compare_cob_id();
@@ -105,12 +107,15 @@ class PdoSetup {
   /// and a layout that is to be written because there is none to rely on: a PDO that means something else may fit in
   /// length.
   [[nodiscard]] Failure without_object() const {
-    if (pdo_.mapping_policy == SetupPolicy::write) {
-      return lacking(wanted_mapping(role_, pdo_).front().object,
-                     " mapping: the drive does not have it, so what this PDO holds is not known; where the "
-                     "manual tells it, `mapping = \"assume\"`");
+    if (relies_on_timer(pdo_)) {
+      return without_timer();
     }
-    return relies_on_timer(pdo_) ? without_timer() : std::nullopt;
+    return pdo_.mapping_policy == SetupPolicy::write ? without_mapping() : std::nullopt;
+  }
+  [[nodiscard]] Failure without_mapping() const {
+    return lacking(wanted_mapping(role_, pdo_).front().object,
+                   " mapping: the drive does not have it, so what this PDO holds is not known; where the manual tells "
+                   "it, `mapping = \"assume\"`");
   }
   [[nodiscard]] Failure without_timer() const {
     return lacking({pdo_communication(role_, pdo_), kPdoEventTimer},
@@ -125,7 +130,10 @@ class PdoSetup {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
       if (found.has_error()) {
         absent_ = item.object.sub == 0 && is_absent(found.error());
-        co_return absent_ ? without_object() : Failure(session_.failure(found.error(), item.name));
+        if (!absent_) {
+          co_return session_.failure(found.error(), item.name);
+        }
+        co_return pdo_.mapping_policy == SetupPolicy::write ? without_mapping() : std::nullopt;
       }
       if (found.value() != item.wanted) {
         note(pdo_.mapping_policy, item, found.value());
