@@ -149,7 +149,9 @@ TEST_F(TracedPlant, AWatchedStatusComesAtChangesAndEachFiveSecondsAtLeast) {
   loop_.advance(3s);
   lines = client.lines();
   EXPECT_THAT(lines, SizeIs(testing::AllOf(testing::Ge(1U), testing::Le(7U)))) << "twice a second at most";
-  EXPECT_THAT(lines, Contains(HasSubstr(R"("name":"pump1","bus":"demo","node":5,"enabled":true,"online":true)")));
+  EXPECT_THAT(lines,
+              Contains(HasSubstr(
+                  R"("name":"pump1","bus":"demo","node":5,"profile":"veichi-ac310","enabled":true,"online":true)")));
 }
 
 TEST(StatusTable, CanLeaveOutWhatTimeAloneChanges) {
