@@ -117,7 +117,7 @@ class Node final : private canopen::LinkEvents {
       }
     }
   }
-  void on_echo(const Received&) override {}
+  void on_echo(const canopen::Received&) override {}
   void on_bus_state(const canopen::BusState&) override {}
   void on_frames_lost(std::uint32_t) override {}
 
