@@ -50,9 +50,10 @@ class PdoSetup {
     const Result<Raw> found = co_await session_.read(item.object, item.type);
     if (found.has_error()) {
       absent_ = is_absent(found.error());
-      co_return !absent_                          ? Failure(session_.failure(found.error(), item.name))
-      : pdo_.mapping_policy == SetupPolicy::write ? without_mapping()
-                                                  : std::nullopt;
+      if (!absent_) {
+        co_return session_.failure(found.error(), item.name);
+      }
+      co_return without_object();
     }
     cob_id_ = found.value();
     Failure failure = compare_cob_id();
