@@ -77,8 +77,8 @@ void BusSurvey::on_frame(const Received& received, FrameOrigin origin) {
   const auto node = static_cast<std::uint8_t>(frame.id & kNodeMask);
   switch (frame.id & ~kNodeMask) {
     case kErrorControlBase:
-      if (!ours) {
-        nodes_.hear_error_control(node, frame, moment);
+      if (!ours && nodes_.hear_error_control(node, frame, moment)) {
+        periods_.break_node(node);
       }
       break;
     case kSdoRequestBase:
@@ -126,7 +126,7 @@ void BusSurvey::look() {
   const TimePoint now = Clock::now();
   hour_ = hour_of(now);
   const Known known = handlers_.known();
-  nodes_.set_served(known.served);
+  set_served(known.served);
   keep_figures();
   const SuspicionHold::Change change = suspicion_.look(judge(signs(known)), now, wall_now());
   traffic_.next_second();
@@ -137,6 +137,16 @@ void BusSurvey::look() {
     handlers_.began(*change.began);
   }
   timer_.arm(now + kStep);
+}
+
+void BusSurvey::set_served(const NodeSet& served) {
+  const NodeSet lost = std::exchange(served_, served) & ~served;
+  for (std::size_t node = 1; lost.any() && node < lost.size(); ++node) {
+    if (lost[node]) {
+      periods_.break_node(static_cast<std::uint8_t>(node));
+    }
+  }
+  nodes_.set_served(served);
 }
 
 void BusSurvey::keep_figures() {

@@ -66,6 +66,7 @@ class BusSurvey final : private FrameTap {
   void forget_disturbances() noexcept;
   /// Each second.
   void look();
+  void set_served(const NodeSet& served);
   void keep_figures();
   [[nodiscard]] Signs signs(const Known& known) const;
   [[nodiscard]] std::string busiest() const;
@@ -82,6 +83,7 @@ class BusSurvey final : private FrameTap {
   DayExtremes errors_;
   SuspicionHold suspicion_;
   BusState state_;
+  NodeSet served_;
   std::uint32_t hour_;
   std::uint32_t unbroken_ = 1;
   bool heard_ = false;                             ///< Since the interface came up.

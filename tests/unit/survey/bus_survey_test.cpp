@@ -122,6 +122,27 @@ TEST_F(BusSurveyTest, LostFramesAndABusThatWasAwayAreNoGapOfADrive) {
   EXPECT_LT(survey_.health().nodes[0].worst_margin().value(), 0.25) << "this one is its own";
 }
 
+TEST_F(BusSurveyTest, ADriveThatWasOffHasNoPeriodAcrossThat) {
+  traffic(3s);
+  loop_.advance(1900ms);
+  hear(frame(0x705, 0));
+  traffic(3s);
+  loop_.advance(500ms);
+  hear(frame(0x705, 4));  // Stopped.
+  loop_.advance(1s);
+  traffic(3s);
+  known_.served.reset(kNode);
+  loop_.advance(30min, 1min);
+  known_.served.set(kNode);
+  traffic(3s);
+  ASSERT_EQ(survey_.periods().size(), 2U);
+  EXPECT_LT(survey_.periods()[0].worst, 21ms);
+  EXPECT_LT(survey_.periods()[1].worst, 501ms);
+  loop_.advance(700ms);
+  traffic(1s);
+  EXPECT_GT(survey_.periods()[0].worst, 700ms) << "this one is its own";
+}
+
 TEST_F(BusSurveyTest, CountersAndErrorsOfADay) {
   traffic(2s);
   be({.condition = BusCondition::error_active, .transmit_errors = 8, .receive_errors = 40});
