@@ -110,14 +110,20 @@ void BusSurvey::on_state(const BusState& state) {
   if (state.condition == BusCondition::bus_off && before.condition != BusCondition::bus_off) {
     put_first(bus_offs_, now);
   }
-  const bool was_well = before.condition == BusCondition::error_active;
-  if (was_well && state.condition != BusCondition::error_active && state.condition != BusCondition::down) {
-    put_first(excursions_, now);
+  const bool well = state.condition == BusCondition::error_active;
+  if (well && unwell_since_) {
+    put_first(excursions_, *unwell_since_);
+  }
+  if (well || state.condition == BusCondition::down) {
+    unwell_since_.reset();
+  } else if (before.condition == BusCondition::error_active) {
+    unwell_since_ = now;
   }
 }
 
 void BusSurvey::forget_disturbances() noexcept {
   traffic_ = {};
+  unwell_since_.reset();
   excursions_.fill(kNotYet);
   bus_offs_.fill(kNotYet);
 }
@@ -128,6 +134,10 @@ void BusSurvey::look() {
   const Known known = handlers_.known();
   set_served(known.served);
   keep_figures();
+  if (known.troubles.transmit == TransmitTrouble::not_acknowledged) {
+    // Drives without power take the controller away from error-active too (ISO 11898-1), and no wire is bad.
+    unwell_since_.reset();
+  }
   const SuspicionHold::Change change = suspicion_.look(judge(signs(known)), now, wall_now());
   traffic_.next_second();
   if (change.ended && handlers_.ended) {

@@ -88,6 +88,8 @@ class BusSurvey final : private FrameTap {
   std::uint32_t unbroken_ = 1;
   bool heard_ = false;                             ///< Since the interface came up.
   std::array<TimePoint, kExcursions> excursions_;  ///< When the controller left error-active, newest first.
+  /// It left error-active then and is not back, and no missing acknowledgement explains that.
+  std::optional<TimePoint> unwell_since_;
   std::array<TimePoint, 2> bus_offs_;
   WakeUp timer_;
   std::vector<Subscription> subscriptions_;

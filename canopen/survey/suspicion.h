@@ -38,7 +38,8 @@ struct Signs {
   RecentTraffic::Sum minute{};  ///< Of the last minute.
   bool heard_before = false;    ///< A frame of others since the interface came up.
   std::uint32_t bus_offs = 0;   ///< In the last minute.
-  /// The controller left error-active three times in kExcursionsWithin.
+  /// The controller left error-active kExcursions times in kExcursionsWithin and came back, each time with nobody
+  /// missing who would have acknowledged.
   bool excursions = false;
   std::uint16_t load_per_mille = 0;
   std::uint32_t bitrate = 0;  ///< bit/s; 0: not known.
@@ -48,7 +49,7 @@ struct Signs {
   static constexpr std::size_t kLately = 10;
 };
 
-/// So many times within that time a controller leaves error-active on no sound bus.
+/// So many times within that time it is more than a plug that was moved, or a drive that was switched.
 inline constexpr std::size_t kExcursions = 3;
 inline constexpr Duration kExcursionsWithin = std::chrono::minutes(10);
 

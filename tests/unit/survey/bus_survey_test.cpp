@@ -19,6 +19,7 @@ using support::frame;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr std::uint8_t kNode = 5;
 constexpr std::uint8_t kOperational = 5;
@@ -207,6 +208,28 @@ TEST_F(BusSurveyTest, AControllerThatComesAndGoesIsSuspectedToo) {
   EXPECT_EQ(kind(), "none");
   stumble();
   EXPECT_EQ(kind(), "wiring");
+}
+
+TEST_F(BusSurveyTest, ADriveThatIsSwitchedOffAndOnIsNoBadWire) {
+  traffic(1s);
+  for (int i = 0; i < 4; ++i) {
+    be({.condition = BusCondition::warning, .transmit_errors = 96});
+    be({.condition = BusCondition::passive, .transmit_errors = 128});
+    loop_.advance(1s);
+    known_.troubles.transmit = TransmitTrouble::not_acknowledged;
+    loop_.advance(4s);
+    EXPECT_EQ(kind(), "alone");
+    known_.troubles.transmit = TransmitTrouble::none;
+    traffic(1s);
+    be({.condition = BusCondition::warning, .transmit_errors = 127});
+    traffic(3s);
+    be({.condition = BusCondition::error_active, .transmit_errors = 95});
+    traffic(100s);
+    EXPECT_EQ(kind(), "none") << i;
+  }
+  for (const std::string& told : told_) {
+    EXPECT_THAT(told, Not(HasSubstr("wiring")));
+  }
 }
 
 TEST_F(BusSurveyTest, WhatOthersKnowIsSaid) {
