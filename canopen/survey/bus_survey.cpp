@@ -104,8 +104,12 @@ void BusSurvey::on_state(const BusState& state) {
     ++unbroken_;
   }
   if (before.condition == BusCondition::down) {
+    saw_it_come_up_ = saw_it_go_down_;
     heard_ = false;
     forget_disturbances();
+  }
+  if (state.condition == BusCondition::down && before.condition != BusCondition::down) {
+    saw_it_go_down_ = true;
   }
   if (state.condition == BusCondition::bus_off && before.condition != BusCondition::bus_off) {
     put_first(bus_offs_, now);
@@ -181,6 +185,7 @@ Signs BusSurvey::signs(const Known& known) const {
           .lately = traffic_.of_last(Signs::kLately),
           .minute = traffic_.of_last(RecentTraffic::kSeconds),
           .heard_before = heard_,
+          .saw_it_come_up = saw_it_come_up_,
           .bus_offs = static_cast<std::uint32_t>(std::count_if(
               bus_offs_.begin(), bus_offs_.end(), [now](TimePoint at) { return is_within(at, now, kMinute); })),
           .excursions = is_within(excursions_.back(), now, kExcursionsWithin),

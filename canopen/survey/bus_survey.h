@@ -86,7 +86,9 @@ class BusSurvey final : private FrameTap {
   NodeSet served_;
   std::uint32_t hour_;
   std::uint32_t unbroken_ = 1;
-  bool heard_ = false;                             ///< Since the interface came up.
+  bool heard_ = false;  ///< Since the interface came up, or the gateway opened it.
+  bool saw_it_go_down_ = false;
+  bool saw_it_come_up_ = false;
   std::array<TimePoint, kExcursions> excursions_;  ///< When the controller left error-active, newest first.
   /// It left error-active then and is not back, and no missing acknowledgement explains that.
   std::optional<TimePoint> unwell_since_;

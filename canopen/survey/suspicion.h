@@ -36,7 +36,8 @@ struct Signs {
   BusTroubles troubles{};
   RecentTraffic::Sum lately{};  ///< Of the last kLately seconds.
   RecentTraffic::Sum minute{};  ///< Of the last minute.
-  bool heard_before = false;    ///< A frame of others since the interface came up.
+  bool heard_before = false;    ///< A frame of others since the interface came up, or the gateway opened it.
+  bool saw_it_come_up = false;  ///< Else it may have been up, and frames received, before the gateway opened it.
   std::uint32_t bus_offs = 0;   ///< In the last minute.
   /// The controller left error-active kExcursions times in kExcursionsWithin and came back, each time with nobody
   /// missing who would have acknowledged.

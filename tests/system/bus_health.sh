@@ -112,7 +112,7 @@ for ((i = 0; i < 6; i++)); do
 done
 suspected bit_rate 10
 expect_match "the sentence" \
-  '^the bit rate may be wrong: no frame was received since the interface came up; .* \(.*6 form.*\)\. Look first at the bit rate, here 125000 bit/s' \
+  '^the bit rate may be wrong: no frame was received since the gateway opened the interface; .* \(.*6 form.*\)\. Look first at the bit rate, here 125000 bit/s' \
   "$(bus .suspicion.text)"
 told_once 'can0: suspicion: the bit rate may be wrong'
 adapter say sa000000

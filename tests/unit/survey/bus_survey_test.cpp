@@ -171,6 +171,7 @@ TEST_F(BusSurveyTest, WhereNothingWasEverReadableTheBitRateIsSuspected) {
   ASSERT_EQ(told_.size(), 1U);
   EXPECT_THAT(told_[0], HasSubstr("began: the bit rate may be wrong"));
   EXPECT_THAT(told_[0], HasSubstr("here 125000 bit/s"));
+  EXPECT_THAT(told_[0], HasSubstr("since the gateway opened the interface")) << "it was up before";
   be({.condition = BusCondition::error_active});
   traffic(30s);
   EXPECT_EQ(kind(), "bit_rate") << "it is not forgotten at once";
@@ -278,6 +279,7 @@ TEST_F(BusSurveyTest, AnInterfaceThatComesBackIsLookedAtAnew) {
   be({.condition = BusCondition::passive, .receive_errors = 135});
   loop_.advance(4s);
   EXPECT_EQ(kind(), "bit_rate") << "what was heard was before";
+  EXPECT_THAT(told_.back(), HasSubstr("since the interface came up"));
 }
 
 TEST_F(BusSurveyTest, WithoutABitRateThereIsNoLoadAndNoBurst) {
