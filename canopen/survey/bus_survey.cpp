@@ -13,6 +13,8 @@ namespace {
 
 constexpr Duration kStep = std::chrono::seconds(1);
 constexpr Duration kMinute = std::chrono::minutes(1);
+// A look each second, and one that comes late.
+constexpr Duration kAgeTold = std::chrono::seconds(3);
 constexpr std::uint32_t kNodeMask = 0x7F;
 
 // Nothing of the kind: long before anything that is asked for.
@@ -39,6 +41,17 @@ const NodeHealth* worst_node(const BusHealth& health) noexcept {
     }
   }
   return worst;
+}
+
+std::string suspicion_text(const BusHealth& health) {
+  if (!health.suspicion) {
+    return {};
+  }
+  if (health.suspicion_age < kAgeTold) {
+    return health.suspicion->text();
+  }
+  const auto age = std::chrono::floor<std::chrono::seconds>(health.suspicion_age).count();
+  return health.suspicion->text(", seen until " + std::to_string(age) + " s ago");
 }
 
 BusSurvey::BusSurvey(const boost::asio::any_io_executor& executor, Bus& bus, Handlers handlers)
@@ -110,6 +123,9 @@ void BusSurvey::on_state(const BusState& state) {
   }
   if (state.condition == BusCondition::down && before.condition != BusCondition::down) {
     saw_it_go_down_ = true;
+    if (const std::optional<Suspicion> ended = suspicion_.drop(); ended && handlers_.ended) {
+      handlers_.ended(*ended);
+    }
   }
   if (state.condition == BusCondition::bus_off && before.condition != BusCondition::bus_off) {
     put_first(bus_offs_, now);
@@ -148,7 +164,7 @@ void BusSurvey::look() {
     handlers_.ended(*change.ended);
   }
   if (change.began && handlers_.began) {
-    handlers_.began(*change.began);
+    handlers_.began(*change.began, change.displaced);
   }
   timer_.arm(now + kStep);
 }
@@ -211,6 +227,7 @@ std::string BusSurvey::busiest() const {
 BusHealth BusSurvey::health() const {
   return {.suspicion = suspicion(),
           .suspected_since = suspicion_.since(),
+          .suspicion_age = Clock::now() - suspicion_.shown(),
           .load = load_.of_day(hour_),
           .transmit_errors = transmit_errors_.of_day(hour_),
           .receive_errors = receive_errors_.of_day(hour_),

@@ -35,8 +35,9 @@ class BusSurvey final : private FrameTap {
   };
   struct Handlers {
     std::function<Known()> known;  ///< Asked each second.
-    std::function<void(const Suspicion&)> began{};
-    std::function<void(const Suspicion&)> ended{};
+    /// `displaced`: in whose place.
+    std::function<void(const Suspicion& began, const std::optional<Suspicion>& displaced)> began{};
+    std::function<void(const Suspicion&)> ended{};  ///< No sign of it any more, or the interface is down.
   };
 
   /// `bus` outlives the survey, and calls it from before start() on.

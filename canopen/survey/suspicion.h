@@ -59,8 +59,8 @@ struct Suspicion {
   std::string seen;  ///< What was seen.
   std::string look;  ///< What to look at first, and then.
 
-  /// All of it as sentences.
-  [[nodiscard]] std::string text() const;
+  /// All of it as sentences. `age`: stands behind what is suspected.
+  [[nodiscard]] std::string text(std::string_view age = {}) const;
   friend bool operator==(const Suspicion&, const Suspicion&) = default;
 };
 

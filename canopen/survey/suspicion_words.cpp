@@ -58,8 +58,8 @@ std::string_view describe(SuspicionKind kind) noexcept {
   return "the bus may be overloaded";
 }
 
-std::string Suspicion::text() const {
-  return std::string(describe(kind)) + ": " + seen + ". Look first at " + look;
+std::string Suspicion::text(std::string_view age) const {
+  return std::string(describe(kind)).append(age) + ": " + seen + ". Look first at " + look;
 }
 
 Suspicion suspect_doubled_id(const Signs& signs) {

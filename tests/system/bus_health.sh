@@ -80,10 +80,11 @@ for ((i = 0; i < 40; i++)); do
 done &
 suspected doubled_id 20
 wait $!
-expect_match "the sentence" '^a node id may be there twice: node 5: .*Look first at drives that were exchanged' \
+expect_match "the sentence" '^a node id may be there twice(, seen until [0-9]+ s ago)?: node 5: .*Look first at drives that were exchanged' \
   "$(bus .suspicion.text)"
 told_once 'can0: suspicion: a node id may be there twice'
-told_once 'can0: no sign any more of the suspicion that wiring or termination may be bad'
+told_once 'can0: suspicion: a node id may be there twice: .* (before: wiring or termination may be bad)'
+expect "what was displaced is not said to be gone" 0 "$(grep -c 'no longer suspected' "$work/gateway.err")"
 
 say "nobody acknowledges"
 restart_gateway

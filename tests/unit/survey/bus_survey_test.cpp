@@ -16,6 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using support::frame;
+using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -30,7 +31,8 @@ class BusSurveyTest : public testing::Test {
       : bus_(loop_.executor(), std::make_unique<support::HandLink>(events_), support::kQuiet),
         survey_(loop_.executor(), bus_,
                 {.known = [this] { return known_; },
-                 .began = [this](const Suspicion& began) { told_.push_back("began: " + began.text()); },
+                 .began = [this](const Suspicion& began,
+                                 const auto& /*displaced*/) { told_.push_back("began: " + began.text()); },
                  .ended = [this](const Suspicion& ended) { told_.push_back("ended: " + ended.text()); }}) {
     known_.served.set(kNode);
     survey_.set_timeout(kNode, 2s);
@@ -191,6 +193,9 @@ TEST_F(BusSurveyTest, WhereErrorsComeWithFramesTheWiringIsSuspected) {
   EXPECT_THAT(told_, ElementsAre(HasSubstr("began: wiring or termination may be bad: 10 errors in the last minute")));
   traffic(10min);
   EXPECT_EQ(kind(), "wiring") << "it comes and goes";
+  EXPECT_THAT(suspicion_text(survey_.health()),
+              ContainsRegex("^wiring or termination may be bad, seen until 5[0-9][0-9] s ago: [1-9][0-9]* errors in"))
+      << "nothing of it is now";
   traffic(2min);
   EXPECT_EQ(kind(), "none");
   EXPECT_EQ(told_.size(), 2U);
@@ -280,6 +285,21 @@ TEST_F(BusSurveyTest, AnInterfaceThatComesBackIsLookedAtAnew) {
   loop_.advance(4s);
   EXPECT_EQ(kind(), "bit_rate") << "what was heard was before";
   EXPECT_THAT(told_.back(), HasSubstr("since the interface came up"));
+}
+
+TEST_F(BusSurveyTest, OfAnInterfaceThatWentDownNothingIsSuspected) {
+  traffic(5s);
+  known_.doubled = DoubledSign{.node = kNode, .text = "two devices answer"};
+  traffic(4s);
+  EXPECT_EQ(suspicion_text(survey_.health()), survey_.health().suspicion->text()) << "it is shown now";
+  known_.doubled.reset();
+  be({.condition = BusCondition::down});
+  EXPECT_EQ(kind(), "none");
+  EXPECT_EQ(suspicion_text(survey_.health()), "");
+  be({.condition = BusCondition::error_active});
+  traffic(5s);
+  EXPECT_EQ(kind(), "none");
+  EXPECT_THAT(told_, ElementsAre(HasSubstr("began: a node id may"), HasSubstr("ended: a node id may")));
 }
 
 TEST_F(BusSurveyTest, WithoutABitRateThereIsNoLoadAndNoBurst) {
