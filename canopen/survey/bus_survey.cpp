@@ -65,6 +65,7 @@ BusSurvey::BusSurvey(const boost::asio::any_io_executor& executor, Bus& bus, Han
 }
 
 void BusSurvey::start() {
+  second_began_ = Clock::now();
   timer_.arm(Clock::now() + kStep);
 }
 
@@ -153,13 +154,17 @@ void BusSurvey::look() {
   hour_ = hour_of(now);
   const Known known = handlers_.known();
   set_served(known.served);
+  bursts_.settle(now, hour_);
   keep_figures();
   if (known.troubles.transmit == TransmitTrouble::not_acknowledged) {
     // Drives without power take the controller away from error-active too (ISO 11898-1), and no wire is bad.
     unwell_since_.reset();
   }
   const SuspicionHold::Change change = suspicion_.look(judge(signs(known)), now, wall_now());
-  traffic_.next_second();
+  // By time and not by looks: a process that was stopped looks once for all of it.
+  const auto passed = (now - second_began_) / kStep;
+  second_began_ += passed * kStep;
+  traffic_.pass(static_cast<std::size_t>(passed));
   if (change.ended && handlers_.ended) {
     handlers_.ended(*change.ended);
   }

@@ -78,6 +78,7 @@ class BusSurvey final : private FrameTap {
   NodeTable nodes_;
   BurstMeter bursts_;
   RecentTraffic traffic_;
+  TimePoint second_began_{};  ///< The current one of `traffic_`.
   DayExtremes load_;
   DayExtremes transmit_errors_;
   DayExtremes receive_errors_;

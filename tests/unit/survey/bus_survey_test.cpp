@@ -201,6 +201,18 @@ TEST_F(BusSurveyTest, WhereErrorsComeWithFramesTheWiringIsSuspected) {
   EXPECT_EQ(told_.size(), 2U);
 }
 
+TEST_F(BusSurveyTest, ErrorsOfBeforeAStopOfTheProcessAreNotOfTheLastMinute) {
+  traffic(2s);
+  for (int i = 0; i < 9; ++i) {
+    error(CAN_ERR_PROT_STUFF);
+  }
+  traffic(2s);
+  loop_.advance(2min, 2min);
+  error(CAN_ERR_PROT_STUFF);
+  traffic(6s);
+  EXPECT_EQ(kind(), "none");
+}
+
 TEST_F(BusSurveyTest, AControllerThatComesAndGoesIsSuspectedToo) {
   const auto stumble = [this] {
     be({.condition = BusCondition::warning, .receive_errors = 100});
