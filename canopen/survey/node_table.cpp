@@ -5,8 +5,8 @@
 namespace canopen {
 namespace {
 
-constexpr std::uint8_t kStateMask = 0x7F;  // Beside the toggle bit of guarding.
-constexpr std::uint8_t kSdoAbort = 0x80;   // A segment of a block has a number beside that bit.
+constexpr std::uint8_t kToldStateMask = 0x7F;  // Beside the toggle bit of guarding.
+constexpr std::uint8_t kSdoAbort = 0x80;       // A segment of a block has a number beside that bit.
 
 }  // namespace
 
@@ -21,7 +21,7 @@ std::optional<double> NodeHealth::margin(const std::optional<Duration>& gap) con
 bool NodeTable::hear_error_control(std::uint8_t node, const Frame& frame, const Moment& moment) noexcept {
   Record& record = nodes_[node];
   const bool boot_up = frame.size > 0 && frame.data[0] == 0;
-  const auto state = static_cast<std::uint8_t>(frame.data[0] & kStateMask);
+  const auto state = static_cast<std::uint8_t>(frame.data[0] & kToldStateMask);
   const bool changed = boot_up || state != record.state;
   if (record.gap_counts && !boot_up && record.unbroken == moment.unbroken) {
     record.gaps.add(to_units(moment.at - record.last), moment.hour);
