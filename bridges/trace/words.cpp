@@ -47,7 +47,7 @@ std::string error_control_words(const Entry& entry) {
   }
   const unsigned toggle = bytes[0] >> 7U;
   const unsigned number = bytes[0] & 0x7FU;
-  if (number == 0 && toggle == 0 && !entry.guarded) {
+  if (number == 0 && toggle == 0) {
     return "boot-up";
   }
   const auto state = static_cast<canopen::NmtState>(number);

@@ -35,6 +35,9 @@ TEST(TraceWords, HeartbeatsAndGuarding) {
   EXPECT_EQ(bus.words("705#R"), "pump1 guarding: asked for its state (guarding)");
   EXPECT_EQ(bus.words("705#85"), "pump1 guarding: operational (answer to guarding, toggle 1)");
   EXPECT_EQ(bus.words("705#05"), "pump1 heartbeat: operational") << "nobody asked";
+  (void)bus.words("705#R1");
+  EXPECT_EQ(bus.words("705#00"), "pump1 heartbeat: boot-up") << "of a drive that was away while it was asked";
+  EXPECT_EQ(bus.words("705#7F"), "pump1 heartbeat: pre-operational");
 }
 
 TEST(TraceWords, SyncAndWhatElseThereIs) {
