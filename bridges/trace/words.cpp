@@ -73,8 +73,9 @@ std::string sync_words(const Frame& frame) {
 }
 
 std::string lost_words(const Entry& entry) {
-  return std::to_string(entry.lost) +
-         " frames were lost before this one: the kernel's buffer ran over, since they were not read in time";
+  // Who lost them is not known here, and a controller that ran over does not say how many it lost.
+  return "at least " + std::to_string(entry.lost) + (entry.lost == 1 ? " frame was" : " frames were") +
+         " lost here, in the controller or between it and the gateway";
 }
 
 }  // namespace

@@ -127,7 +127,10 @@ TEST(TraceWords, ALineForTheTerminalMarksOurOwnFrames) {
             "03:04:05.678123 can0 !               error     bus-off");
   const Entry lost = bus.decoder().lose(3, canopen::WallTime{});
   EXPECT_EQ(line_of(bus.model(), lost).text,
-            "3 frames were lost before this one: the kernel's buffer ran over, since they were not read in time");
+            "at least 3 frames were lost here, in the controller or between it and the gateway");
+  EXPECT_EQ(line_of(bus.model(), bus.decoder().lose(1, canopen::WallTime{})).text,
+            "at least 1 frame was lost here, in the controller or between it and the gateway")
+      << "an overrun of the controller is one frame at least";
   std::string json;
   text::ObjectText object(json);
   append_members(object, own);
