@@ -26,22 +26,23 @@ void RecordKeeper::post(Record record) {
   // The first of a bus is under way, or tried again; a second may wait, and that is all the memory they get.
   const auto of_bus = std::ranges::count_if(
       waiting_, [&record](const Waiting& waiting) { return waiting.record->bus_index == record.bus_index; });
-  waiting_.push_back({std::make_shared<const Record>(std::move(record)), Clock::now()});
+  std::string stem = to_text(record.name);
+  waiting_.push_back({std::make_shared<const Record>(std::move(record)), std::move(stem), Clock::now()});
   if (of_bus >= 2) {
     give_up(std::prev(waiting_.end()), "those before it are not on the disk yet");
   }
   on_time();
 }
 
-bool RecordKeeper::knows(const std::string& stem) const {
-  const auto waits = [&stem](const Waiting& waiting) { return to_text(waiting.record->name) == stem; };
-  const auto is_there = [&stem](const StoredRecord& record) { return record.stem() == stem; };
-  return std::ranges::any_of(waiting_, waits) || (records_ && std::ranges::any_of(records_->all(), is_there));
+// Asked for every alarm that names a record, after each write: no text is made, and no list is walked.
+bool RecordKeeper::knows(std::string_view stem) const {
+  const auto waits = [stem](const Waiting& waiting) { return waiting.stem == stem; };
+  return std::ranges::any_of(waiting_, waits) || (records_ && records_->find(stem) != nullptr);
 }
 
 void RecordKeeper::give_up(std::deque<Waiting>::iterator record, const std::string& why) {
   ++lost_;
-  told_("record " + to_text(record->record->name) + " is lost: " + why);
+  told_("record " + record->stem + " is lost: " + why);
   waiting_.erase(record);
 }
 

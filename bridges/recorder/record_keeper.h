@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "bridges/disk/trouble.h"
 #include "bridges/disk/worker.h"
@@ -49,7 +50,7 @@ class RecordKeeper {
   /// As of the last look; nothing before the first, and while the directory cannot be used.
   [[nodiscard]] const std::optional<StoredRecords>& records() const noexcept { return records_; }
   /// A record of that name waits, or is on the disk.
-  [[nodiscard]] bool knows(const std::string& stem) const;
+  [[nodiscard]] bool knows(std::string_view stem) const;
   [[nodiscard]] std::filesystem::path directory() const { return directory_; }
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
 
@@ -61,6 +62,7 @@ class RecordKeeper {
  private:
   struct Waiting {
     std::shared_ptr<const Record> record;  ///< With the job under way, which may outlive us.
+    std::string stem;
     canopen::TimePoint since;
   };
   struct Written {

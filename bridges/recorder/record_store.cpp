@@ -212,7 +212,7 @@ Failure RecordStore::write_log(const Record& record, WholeFile& file, LogFigures
 
 void RecordStore::make_room(std::uint64_t more) {
   while (const StoredRecord* const old = records_.in_the_way(more, keep_)) {
-    const std::string stem = old->stem();
+    const std::string stem = old->stem;
     // The log goes last: as long as it is there it is found again, and counted.
     unlinkat(lock_.get(), (stem + std::string(kJsonSuffix)).c_str(), 0);
     unlinkat(lock_.get(), (stem + std::string(kLogSuffix)).c_str(), 0);

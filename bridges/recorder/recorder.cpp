@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string_view>
 #include <utility>
 
 #include "bridges/text/timestamp.h"
@@ -206,7 +207,7 @@ void Recorder::forget_removed() {
   if (!keeper_.records()) {
     return;  // Nobody knows what there is.
   }
-  const auto is_gone = [this](const std::string& name) {
+  const auto is_gone = [this](std::string_view name) {
     return !name.empty() &&
            (!name.ends_with(kLogSuffix) || !keeper_.knows(name.substr(0, name.size() - kLogSuffix.size())));
   };

@@ -18,11 +18,11 @@ TEST_F(RecorderTest, HoldsTheFramesOfTenSecondsBeforeAndFiveAfter) {
   trip();
   run(10s);
   await_kept(1);
-  const std::vector<std::string> lines = lines_of(records()[0].stem());
+  const std::vector<std::string> lines = lines_of(records()[0].stem);
   ASSERT_EQ(lines.size(), 150U);
   EXPECT_EQ(lines.front(), "(1767323055.000000) can0 185#65");
   EXPECT_EQ(lines.back(), "(1767323069.900000) can0 185#FA");
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   EXPECT_EQ(json.at("ts").as_string(), "2026-01-02T03:04:25.000Z");
   EXPECT_EQ(json.at("from").as_string(), "2026-01-02T03:04:15.000Z");
   EXPECT_EQ(json.at("until").as_string(), "2026-01-02T03:04:30.000Z");
@@ -38,7 +38,7 @@ TEST_F(RecorderTest, BeforeAndAfterAreAsConfigured) {
   trip();
   run(1s);
   await_kept(1);
-  EXPECT_EQ(lines_of(records()[0].stem()).size(), 11U);
+  EXPECT_EQ(lines_of(records()[0].stem).size(), 11U);
 }
 
 TEST_F(RecorderTest, ARecordSoonAfterAnotherHasItsOwnTenSecondsBefore) {
@@ -50,7 +50,7 @@ TEST_F(RecorderTest, ARecordSoonAfterAnotherHasItsOwnTenSecondsBefore) {
   trip();
   run(6s);
   await_kept(2);
-  EXPECT_EQ(lines_of(records()[1].stem()).size(), 150U);
+  EXPECT_EQ(lines_of(records()[1].stem).size(), 150U);
 }
 
 TEST_F(RecorderTest, TheAlarmNamesItOnceItIsWhole) {
@@ -60,7 +60,7 @@ TEST_F(RecorderTest, TheAlarmNamesItOnceItIsWhole) {
   EXPECT_EQ(plant_->bus_alarm(0).record, "");
   const canopen::WallTime ts = plant_->bus_alarm(0).ts;
   await_kept(1);
-  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem() + ".log");
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
   EXPECT_EQ(plant_->bus_alarm(0).ts, ts);
   trip();
   EXPECT_EQ(plant_->bus_alarm(0).record, "") << "another activation has none yet";
@@ -73,7 +73,7 @@ TEST_F(RecorderTest, AnAlarmThatIsOverNamesItToo) {
   pass(5s);
   await_kept(1);
   EXPECT_FALSE(plant_->bus_alarm(0).active);
-  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem() + ".log");
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
 }
 
 TEST_F(RecorderTest, FaultsWithinARecordAreAddedToIt) {
@@ -83,12 +83,12 @@ TEST_F(RecorderTest, FaultsWithinARecordAreAddedToIt) {
   trip();
   run(3s);
   await_kept(1);
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   ASSERT_EQ(json.at("alarms").as_array().size(), 2U);
   EXPECT_FALSE(json.at("alarms").at(0).at("alarm").at("active").as_bool()) << "as it was at the end";
   EXPECT_TRUE(json.at("alarms").at(1).at("alarm").at("active").as_bool());
-  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem() + ".log");
-  EXPECT_EQ(lines_of(records()[0].stem()).size(), 50U) << "it ends when it was to";
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
+  EXPECT_EQ(lines_of(records()[0].stem).size(), 50U) << "it ends when it was to";
 }
 
 TEST_F(RecorderTest, EachBusHasItsOwn) {
@@ -98,9 +98,9 @@ TEST_F(RecorderTest, EachBusHasItsOwn) {
   trip(1);
   run(6s);
   await_kept(2);
-  EXPECT_EQ(json_of(records()[0].stem()).at("bus").as_string(), "can0");
-  EXPECT_EQ(json_of(records()[1].stem()).at("bus").as_string(), "can1");
-  EXPECT_EQ(lines_of(records()[1].stem()).size(), 0U);
+  EXPECT_EQ(json_of(records()[0].stem).at("bus").as_string(), "can0");
+  EXPECT_EQ(json_of(records()[1].stem).at("bus").as_string(), "can1");
+  EXPECT_EQ(lines_of(records()[1].stem).size(), 0U);
   EXPECT_TRUE(records()[0].summary.first);
   EXPECT_FALSE(records()[1].summary.first);
 }
@@ -113,8 +113,8 @@ TEST_F(RecorderTest, TwoOfOneMomentHaveTwoNames) {
   ASSERT_TRUE(recorder_->request(1, "can0", "alice").has_value());
   pass(6s);
   await_kept(2);
-  EXPECT_EQ(records()[0].stem(), "20260102T030405.000Z-can0-request");
-  EXPECT_EQ(records()[1].stem(), "20260102T030405.001Z-can0-request");
+  EXPECT_EQ(records()[0].stem, "20260102T030405.000Z-can0-request");
+  EXPECT_EQ(records()[1].stem, "20260102T030405.001Z-can0-request");
 }
 
 TEST_F(RecorderTest, WarningsAreNotRecorded) {
@@ -153,10 +153,10 @@ TEST_F(RecorderTest, ADriveThatIsLostIsRecordedByItsName) {
   await_kept(2);
   EXPECT_EQ(records()[0].name.subject, "pump1");
   EXPECT_EQ(records()[0].name.kind, "heartbeat");
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   EXPECT_EQ(json.at("drive").as_string(), "pump1");
   EXPECT_EQ(json.at("alarms").at(0).at("kind").as_string(), "heartbeat");
-  EXPECT_EQ(plant_->drive(0).alarm(alarms::AlarmKind::heartbeat).record, records()[0].stem() + ".log");
+  EXPECT_EQ(plant_->drive(0).alarm(alarms::AlarmKind::heartbeat).record, records()[0].stem + ".log");
   const auto stopped = loop_.start(plant_->stop());
   ASSERT_TRUE(loop_.run_until([&] { return *stopped; }));
 }
@@ -172,7 +172,7 @@ TEST_F(RecorderTest, WaitsForFramesThatStillComeWhereTheLoopLagsBehind) {
                               canopen::FrameOrigin::others);
   run(1s);
   await_kept(1);
-  EXPECT_NE(bench_.text_of(records()[0].stem() + ".log").find(" 285#00\n"), std::string::npos);
+  EXPECT_NE(bench_.text_of(records()[0].stem + ".log").find(" 285#00\n"), std::string::npos);
 }
 
 TEST_F(RecorderTest, LostFramesAreTold) {
@@ -184,7 +184,7 @@ TEST_F(RecorderTest, LostFramesAreTold) {
   trip();
   run(6s);
   await_kept(1);
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   EXPECT_EQ(json.at("frames_lost").as_int64(), 10);
   EXPECT_EQ(json.at("gaps").as_array().size(), 2U);
   EXPECT_EQ(json.at("gaps").at(0).at("ts").as_string(), "2026-01-02T03:04:06.000Z");
