@@ -54,13 +54,13 @@ void Recorder::on_command_done(const process::Drive& drive, const process::Comma
 void Recorder::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
   const alarms::Alarm& alarm = drive.alarm(kind);
   const bool is_begin = begins(alarm, drives_[drive.index()].at(static_cast<std::size_t>(kind)));
-  note(drive.model().bus, {drive.model().name, kind, alarm}, is_begin);
+  note(drive.model().bus, {drive.model().name, kind, alarm, alarm}, is_begin);
 }
 
 void Recorder::on_bus_alarm(std::size_t bus) {
   const alarms::Alarm& alarm = plant_.bus_alarm(bus);
   const bool is_begin = begins(alarm, lines_[bus]->alarm);
-  note(bus, {{}, std::nullopt, alarm}, is_begin);
+  note(bus, {{}, std::nullopt, alarm, alarm}, is_begin);
 }
 
 bool Recorder::begins(const alarms::Alarm& alarm, Activation& before) const {
@@ -70,26 +70,27 @@ bool Recorder::begins(const alarms::Alarm& alarm, Activation& before) const {
   return begins;
 }
 
-void Recorder::note(std::size_t bus, RecordedAlarm alarm, bool is_begin) {
+void Recorder::note(std::size_t bus, RecordedAlarm now, bool is_begin) {
   std::optional<UnderWay>& under_way = lines_[bus]->under_way;
   if (under_way) {
     std::vector<RecordedAlarm>& known = under_way->record.alarms;
-    const auto same = std::ranges::find(known, alarm.alarm.id, [](const RecordedAlarm& one) { return one.alarm.id; });
+    const auto is_same = [&now](const RecordedAlarm& one) { return one.alarm.id == now.alarm.id; };
+    const auto same = std::ranges::find_if(known, is_same);
     if (same != known.end()) {
-      *same = std::move(alarm);
+      same->change(std::move(now.at_end));
     } else if (is_begin && known.size() >= Record::kMostAlarms) {
       ++under_way->record.alarms_left_out;
     } else if (is_begin) {
-      known.push_back(std::move(alarm));
+      known.push_back(std::move(now));
     }
     return;
   }
-  const std::string subject = alarm.kind ? alarm.drive : plant_.model().buses[bus].name;
-  if (is_begin && is_allowed(alarm.kind ? "drive " + subject : "bus " + subject, false)) {
+  const std::string subject = now.kind ? now.drive : plant_.model().buses[bus].name;
+  if (is_begin && is_allowed(now.kind ? "drive " + subject : "bus " + subject, false)) {
     UnderWay& begun =
-        begin(bus, {canopen::wall_now(), subject, std::string(alarm.kind ? alarms::name_of(*alarm.kind) : "bus")});
-    begun.record.drive = alarm.drive;
-    begun.record.alarms.push_back(std::move(alarm));
+        begin(bus, {canopen::wall_now(), subject, std::string(now.kind ? alarms::name_of(*now.kind) : "bus")});
+    begun.record.drive = now.drive;
+    begun.record.alarms.push_back(std::move(now));
   }
 }
 

@@ -94,7 +94,7 @@ class Recorder final : public process::Observer {
 
   /// It changed, and a fault of it begins now.
   [[nodiscard]] bool begins(const alarms::Alarm& alarm, Activation& before) const;
-  void note(std::size_t bus, RecordedAlarm alarm, bool is_begin);
+  void note(std::size_t bus, RecordedAlarm now, bool is_begin);
   [[nodiscard]] bool is_allowed(const std::string& subject, bool requested);
   UnderWay& begin(std::size_t bus, RecordName name);
   void on_end(std::size_t bus);

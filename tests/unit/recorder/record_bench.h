@@ -61,6 +61,13 @@ class RecordBench {
     std::ofstream(records() / name) << text;
   }
 
+  /// A file where the directory of the records is to be.
+  void put_in_the_way() const {
+    std::filesystem::create_directories(state());
+    std::ofstream(records()) << "x";
+  }
+  void clear_the_way() const { std::filesystem::remove(records()); }
+
   /// What refuses; the others work.
   enum class Call { none, write, sync, rename };
   [[nodiscard]] DiskCalls calls() {
@@ -151,7 +158,7 @@ inline Record record_of(int seconds, int frames = 3, bool first = false, std::si
   alarm.count = 1;
   alarm.first = first;
   alarm.errors = {{0x2310, {1, 2}, "Overcurrent", config::Severity::fault, wall_at(seconds)}};
-  record.alarms.push_back({"pump1", alarms::AlarmKind::emcy, alarm});
+  record.alarms.push_back({"pump1", alarms::AlarmKind::emcy, alarm, alarm});
   record.commands = {R"({"writer":"local"})"};
   return record;
 }

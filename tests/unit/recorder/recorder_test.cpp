@@ -85,10 +85,44 @@ TEST_F(RecorderTest, FaultsWithinARecordAreAddedToIt) {
   await_kept(1);
   const boost::json::value json = json_of(records()[0].stem);
   ASSERT_EQ(json.at("alarms").as_array().size(), 2U);
-  EXPECT_FALSE(json.at("alarms").at(0).at("alarm").at("active").as_bool()) << "as it was at the end";
-  EXPECT_TRUE(json.at("alarms").at(1).at("alarm").at("active").as_bool());
+  EXPECT_TRUE(json.at("alarms").at(0).at("alarm").at("active").as_bool());
+  EXPECT_FALSE(json.at("alarms").at(0).at("at_end").at("active").as_bool());
+  EXPECT_TRUE(json.at("alarms").at(1).at("at_end").at("active").as_bool());
   EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
   EXPECT_EQ(lines_of(records()[0].stem).size(), 50U) << "it ends when it was to";
+}
+
+// It is the record of the cause, and is to be kept longest.
+TEST_F(RecorderTest, AFirstFaultThatSoftensMeanwhileStaysTheFirst) {
+  start();
+  trip();
+  const std::string id = plant_->bus_alarm(0).id;
+  run(2s);
+  set_bus(canopen::BusCondition::passive);
+  ASSERT_EQ(plant_->bus_alarm(0).id, id);
+  ASSERT_FALSE(plant_->bus_alarm(0).first);
+  run(4s);
+  await_kept(1);
+  EXPECT_TRUE(records()[0].summary.first);
+  const boost::json::value alarm = json_of(records()[0].stem).at("alarms").at(0);
+  EXPECT_TRUE(alarm.at("alarm").at("first").as_bool());
+  EXPECT_EQ(alarm.at("alarm").at("severity").as_string(), "fault");
+  EXPECT_EQ(alarm.at("at_end").at("severity").as_string(), "warning");
+  EXPECT_EQ(json_of(records()[0].stem).at("alarms").as_array().size(), 1U);
+}
+
+TEST_F(RecorderTest, WhatTrippedADriveIsThereAlsoWhereItWasResetMeanwhile) {
+  start();
+  trip();
+  const std::string text = plant_->bus_alarm(0).errors.at(0).text;
+  run(2s);
+  set_bus(canopen::BusCondition::error_active);
+  ASSERT_TRUE(plant_->bus_alarm(0).errors.empty());
+  run(4s);
+  await_kept(1);
+  const boost::json::value alarm = json_of(records()[0].stem).at("alarms").at(0);
+  EXPECT_EQ(alarm.at("alarm").at("errors").at(0).at("text").as_string(), text);
+  EXPECT_TRUE(alarm.at("at_end").at("errors").as_array().empty());
 }
 
 TEST_F(RecorderTest, EachBusHasItsOwn) {
