@@ -91,21 +91,10 @@ void RecordKeeper::on_written(Written& written) {
   const canopen::TimePoint now = Clock::now();
   records_ = std::move(written.records);
   const bool was_record = std::exchange(writing_, false);
-  if (!written.failure) {
-    retry_.reset();
-    trouble_.is_over("records are kept again in " + directory_.string());
-    if (was_record) {
-      const std::shared_ptr<const Record> record = waiting_.front().record;
-      waiting_.pop_front();
-      handlers_.kept(*record);
-    }
+  if (written.failure) {
+    note_failure(*written.failure, was_record, now);
   } else {
-    trouble_.stands(*written.failure + "; records are not kept meanwhile", now);
-    retry_ = now + kTryAgain;
-    if (was_record && (stopping_ || now - waiting_.front().since >= kGiveUp)) {
-      give_up(waiting_.begin(), *written.failure);
-    }
-    look_ = waiting_.empty();
+    note_success(was_record);
   }
   handlers_.changed();
   progress_.notify();
@@ -114,6 +103,29 @@ void RecordKeeper::on_written(Written& written) {
     look_ = false;
   }
   on_time();
+}
+
+void RecordKeeper::note_success(bool was_record) {
+  retry_.reset();
+  refuses_records_ = refuses_records_ && !was_record;
+  if (!refuses_records_) {
+    trouble_.is_over("records are kept again in " + directory_.string());
+  }
+  if (was_record) {
+    const std::shared_ptr<const Record> record = waiting_.front().record;
+    waiting_.pop_front();
+    handlers_.kept(*record);
+  }
+}
+
+void RecordKeeper::note_failure(const std::string& why, bool was_record, canopen::TimePoint now) {
+  refuses_records_ = refuses_records_ || (was_record && records_);
+  trouble_.stands(why + "; records are not kept meanwhile", now);
+  retry_ = now + kTryAgain;
+  if (was_record && (stopping_ || now - waiting_.front().since >= kGiveUp)) {
+    give_up(waiting_.begin(), why);
+  }
+  look_ = waiting_.empty();
 }
 
 boost::asio::awaitable<void> RecordKeeper::stop() {

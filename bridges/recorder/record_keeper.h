@@ -74,6 +74,8 @@ class RecordKeeper {
   void tell_if_slow(canopen::TimePoint now);
   void begin(canopen::TimePoint now);
   void on_written(Written& written);
+  void note_success(bool was_record);
+  void note_failure(const std::string& why, bool was_record, canopen::TimePoint now);
   void give_up(std::deque<Waiting>::iterator record, const std::string& why);
 
   std::shared_ptr<RecordStore> store_;  ///< Likewise.
@@ -91,6 +93,9 @@ class RecordKeeper {
   bool writing_ = false;
   bool look_ = false;  ///< At what there is, where nothing is to be written.
   bool stopping_ = false;
+  /// A record could not be written where the directory could be used: that the directory can be looked at, which takes
+  /// no room, does not end it.
+  bool refuses_records_ = false;
   std::uint64_t lost_ = 0;
 };
 
