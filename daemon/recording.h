@@ -25,6 +25,8 @@ class Recording {
   [[nodiscard]] recorder::Recorder& recorder() noexcept { return recorder_; }
   /// What HTTP shows of it. It outlives `site`.
   void show_in(http::Site& site);
+  /// Nobody who reads a file keeps the end of the gateway waiting. Before HTTP is stopped.
+  void stop_reading() { reader_.stop(); }
 
  private:
   std::vector<canopen::Bus*> buses_;
