@@ -35,7 +35,7 @@ struct Record {
   RecordName name;
   std::size_t bus_index = 0;
   std::string bus;
-  std::string interface;
+  std::string interface;                   ///< As logs name it: config::log_interface().
   std::optional<std::uint32_t> bitrate{};  ///< As the configuration says.
   std::string drive{};                     ///< Whose fault it is of; empty: of the bus.
   std::string requested_by{};              ///< The user; empty: a fault.

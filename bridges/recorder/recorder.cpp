@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bridges/text/timestamp.h"
+#include "config/log_interface.h"
 
 namespace recorder {
 
@@ -128,7 +129,7 @@ Recorder::UnderWay& Recorder::begin(std::size_t bus, RecordName name) {
   begun.record = {.name = std::move(name),
                   .bus_index = bus,
                   .bus = model.name,
-                  .interface = model.interface,
+                  .interface = std::string(config::log_interface(model)),
                   .bitrate = model.bitrate,
                   .from = canopen::wall_now() - settings_.before,
                   .until = canopen::wall_now() + settings_.after};

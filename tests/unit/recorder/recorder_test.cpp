@@ -30,6 +30,19 @@ TEST_F(RecorderTest, HoldsTheFramesOfTenSecondsBeforeAndFiveAfter) {
   EXPECT_TRUE(json.at("ended").is_null());
 }
 
+// All in-process buses have one interface: by that a log would be read with the drives of another.
+TEST_F(RecorderTest, AnInProcessBusIsNamedInItsLog) {
+  for (config::Bus& bus : model_.buses) {
+    bus.interface = config::kVirtualInterface;
+  }
+  start();
+  trip();
+  run(6s);
+  await_kept(1);
+  EXPECT_EQ(lines_of(records()[0].stem).front(), "(1767323045.000000) can0 185#01");
+  EXPECT_EQ(json_of(records()[0].stem).at("interface").as_string(), "can0");
+}
+
 TEST_F(RecorderTest, BeforeAndAfterAreAsConfigured) {
   model_.recorder->before = 1s;
   model_.recorder->after = 0s;
@@ -56,8 +69,11 @@ TEST_F(RecorderTest, ARecordSoonAfterAnotherHasItsOwnTenSecondsBefore) {
 TEST_F(RecorderTest, TheAlarmNamesItOnceItIsWhole) {
   start();
   trip();
+  bench_.hang();
   run(5s);
+  bench_.await_hanging();
   EXPECT_EQ(plant_->bus_alarm(0).record, "");
+  bench_.go_on();
   const canopen::WallTime ts = plant_->bus_alarm(0).ts;
   await_kept(1);
   EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
