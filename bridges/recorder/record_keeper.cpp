@@ -34,6 +34,11 @@ void RecordKeeper::post(Record record) {
   on_time();
 }
 
+void RecordKeeper::look() {
+  look_ = !stopping_;
+  on_time();
+}
+
 // Asked for every alarm that names a record, after each write: no text is made, and no list is walked.
 bool RecordKeeper::knows(std::string_view stem) const {
   const auto waits = [stem](const Waiting& waiting) { return waiting.stem == stem; };

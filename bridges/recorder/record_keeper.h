@@ -44,6 +44,8 @@ class RecordKeeper {
   /// Looks at what there is, and begins to write.
   void start(Handlers handlers);
   void post(Record record);
+  /// Somebody found that a record is gone: looks at what there is, soon.
+  void look();
   /// Returns when all is on the disk, at the latest after a second.
   boost::asio::awaitable<void> stop();
 

@@ -35,6 +35,7 @@ class RecordReader {
 
   /// Whoever waits gets nothing, at once, and nobody waits any more: an orderly end waits for no disk.
   void stop();
+  [[nodiscard]] bool is_stopped() const noexcept { return stopped_; }
 
   /// kPiece bytes from `offset` on, fewer at the end of the file. `name`: of a file that is known to be a record's.
   /// Nothing where it cannot be read, or not in time. The reader outlives it.

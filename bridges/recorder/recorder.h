@@ -57,6 +57,8 @@ class Recorder final : public process::Observer {
   /// Somebody wants a record now: of a drive, or of a whole bus. `user`: who. `refused` where there were too many.
   [[nodiscard]] canopen::Result<Requested> request(std::size_t bus, const std::string& drive, const std::string& user);
 
+  /// Somebody found that a record is gone.
+  void look_again() { keeper_.look(); }
   [[nodiscard]] const RecordKeeper& keeper() const noexcept { return keeper_; }
 
   void on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) override {}

@@ -27,7 +27,8 @@ void StoredRecords::remove(std::string_view stem) {
 }
 
 const StoredRecord* StoredRecords::in_the_way(std::uint64_t more, std::uint64_t keep) const {
-  if (records_.empty() || (size() + more <= keep && records_.size() < kMost)) {
+  const std::size_t count = records_.size() + (more > 0 ? 1U : 0U);
+  if (records_.empty() || (size() + more <= keep && count <= kMost)) {
     return nullptr;
   }
   const auto usual = std::ranges::find_if(records_, [](const StoredRecord& record) { return !record.summary.first; });

@@ -42,7 +42,8 @@ class StoredRecords {
     return place != records_.end() && place->stem == stem ? &*place : nullptr;
   }
   /// The next one that has to go so that one more of `more` bytes finds room within `keep` bytes: the oldest, and those
-  /// with a fault that came first after all others. Null: there is room, or nothing is left.
+  /// with a fault that came first after all others; with 0 bytes those that there are. Null: there is room, or nothing
+  /// is left.
   [[nodiscard]] const StoredRecord* in_the_way(std::uint64_t more, std::uint64_t keep) const;
 
  private:

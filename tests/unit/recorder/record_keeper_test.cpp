@@ -148,6 +148,16 @@ TEST_F(RecordKeeperTest, ADiskThatHangsCostsTwoRecordsOfABusInMemory) {
   ASSERT_TRUE(loop_.run_until([&] { return kept_.size() == 3; }));
 }
 
+TEST_F(RecordKeeperTest, LooksAgainWhereSomebodyFoundThatOneIsGone) {
+  bench_.put(stem_of(0) + ".log", "");
+  open_and_look();
+  std::filesystem::remove(bench_.records() / (stem_of(0) + ".log"));
+  ASSERT_TRUE(keeper_->knows(stem_of(0)));
+  keeper_->look();
+  ASSERT_TRUE(loop_.run_until([&] { return changed_ == 2; }));
+  EXPECT_FALSE(keeper_->knows(stem_of(0)));
+}
+
 TEST_F(RecordKeeperTest, TheEndWaitsForTheDisk) {
   open_and_look();
   keeper_->post(record_of(0));

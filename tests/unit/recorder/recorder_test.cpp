@@ -266,5 +266,17 @@ TEST_F(RecorderTest, AnAlarmNamesNoRecordThatIsGone) {
   ASSERT_TRUE(loop_.run_until([&] { return plant_->bus_alarm(0).record.empty(); }));
 }
 
+TEST_F(RecorderTest, AnAlarmNamesNoRecordWhoseLogSomebodyRemoved) {
+  start();
+  trip();
+  pass(6s);
+  await_kept(1);
+  ASSERT_TRUE(std::filesystem::remove(bench_.records() / plant_->bus_alarm(0).record));
+  recorder_->look_again();
+  ASSERT_TRUE(loop_.run_until([&] { return records().empty(); }));
+  EXPECT_EQ(plant_->bus_alarm(0).record, "");
+  EXPECT_TRUE(bench_.names().empty());
+}
+
 }  // namespace
 }  // namespace recorder
