@@ -73,6 +73,10 @@ bool Recorder::begins(const alarms::Alarm& alarm, Activation& before) const {
 
 void Recorder::note(std::size_t bus, RecordedAlarm now, bool is_begin) {
   std::optional<UnderWay>& under_way = lines_[bus]->under_way;
+  // It waits for frames of before its end only: those of this fault are behind. The next one has both.
+  if (under_way && is_begin && Clock::now() > under_way->until) {
+    finish(bus, {});
+  }
   if (under_way) {
     std::vector<RecordedAlarm>& known = under_way->record.alarms;
     const auto is_same = [&now](const RecordedAlarm& one) { return one.alarm.id == now.alarm.id; };
@@ -150,7 +154,8 @@ canopen::Result<Recorder::Requested> Recorder::request(std::size_t bus, const st
   }
   const std::string& subject = drive.empty() ? plant_.model().buses[bus].name : drive;
   if (!started_) {
-    return canopen::Error{.kind = canopen::ErrorKind::offline, .detail = "the gateway ends"};
+    return canopen::Error{.kind = canopen::ErrorKind::offline,
+                          .detail = "nothing is recorded while the gateway starts or ends"};
   }
   if (!is_allowed((drive.empty() ? "bus " : "drive ") + subject, true)) {
     return canopen::Error{.kind = canopen::ErrorKind::forbidden,

@@ -34,6 +34,7 @@ TEST_F(RecorderLimits, TenOfABusAnHourAndThatIsToldOnce) {
   pass(1h);
   infos_.clear();
   trip_and_keep(11);
+  EXPECT_EQ(records().back().stem, "20260102T040523.000Z-can0-bus") << "none of those before";
   ASSERT_FALSE(infos_.empty());
   EXPECT_EQ(infos_.front(), "bus can0: is recorded again; 3 faults were not recorded");
 }

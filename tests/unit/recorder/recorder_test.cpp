@@ -176,6 +176,7 @@ TEST_F(RecorderTest, WarningsAreNotRecorded) {
   set_bus(canopen::BusCondition::bus_off);
   pass(6s);
   await_kept(1);
+  EXPECT_EQ(records()[0].stem, "20260102T030415.000Z-can0-bus") << "that of the fault";
 }
 
 TEST_F(RecorderTest, AnAlarmOfBeforeTheStartIsNotRecorded) {
@@ -191,6 +192,7 @@ TEST_F(RecorderTest, AnAlarmOfBeforeTheStartIsNotRecorded) {
   trip();
   pass(6s);
   await_kept(1);
+  EXPECT_EQ(records()[0].stem, "20260102T030415.000Z-can0-bus") << "that of the one after the start";
 }
 
 TEST_F(RecorderTest, ADriveThatIsLostIsRecordedByItsName) {
@@ -216,13 +218,26 @@ TEST_F(RecorderTest, WaitsForFramesThatStillComeWhereTheLoopLagsBehind) {
   lag_ = 300ms;
   trip();
   run(5s);
-  EXPECT_TRUE(loop_.hand().advance_until([&] { return infos_.empty(); }, 1s));
   run(100ms);
   recorder_->ring(0).on_frame({support::frame(0x285), canopen::Clock::now() - 200ms, canopen::wall_now() - 200ms},
                               canopen::FrameOrigin::others);
   run(1s);
   await_kept(1);
   EXPECT_NE(bench_.text_of(records()[0].stem + ".log").find(" 285#00\n"), std::string::npos);
+}
+
+TEST_F(RecorderTest, AFaultBehindTheEndOfOneThatStillWaitsHasItsOwn) {
+  start();
+  lag_ = 300ms;
+  trip();
+  run(5100ms);
+  ASSERT_TRUE(records().empty());
+  trip();
+  run(6s);
+  await_kept(2);
+  EXPECT_EQ(records()[1].stem, "20260102T030410.100Z-can0-bus");
+  EXPECT_EQ(json_of(records()[0].stem).at("alarms").as_array().size(), 1U);
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[1].stem + ".log");
 }
 
 TEST_F(RecorderTest, LostFramesAreTold) {
