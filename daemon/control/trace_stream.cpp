@@ -4,8 +4,8 @@
 
 #include "bridges/text/json_text.h"
 #include "bridges/trace/candump.h"
-#include "config/log_interface.h"
 #include "bridges/trace/line.h"
+#include "config/log_interface.h"
 
 namespace gateway::control {
 
