@@ -52,9 +52,9 @@ int demo(const Options& options) {
     return kConfigurationError;
   }
   config::Model* const model = &*loaded.model;
-  make_demo(*model);
+  const Ports plant = make_demo(*model, options.config_given ? DemoOf::given_site : DemoOf::itself);
   std::string guide;
-  for (const std::string& told : step_aside(*model)) {
+  for (const std::string& told : step_aside(*model, plant)) {
     guide += told + "\n";
   }
   // The demo leaves no trace, and does not get in the way of the gateway that this machine may run.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -52,31 +53,76 @@ std::optional<HeardNode> sender_of(const canopen::Frame& frame) {
   return HeardNode{.node = node, .by = fmt::format("{} (0x{:03X})", name, frame.id)};
 }
 
-NodeWatch::NodeWatch(const boost::asio::any_io_executor& executor, canopen::Link& link)
-    : link_(link), timer_(executor) {}
+/// One of the buses.
+class NodeWatch::Ear final : public canopen::LinkEvents {
+ public:
+  Ear(NodeWatch& watch, canopen::Link& link) : watch_(watch), link_(link) {}
+  ~Ear() { close(); }
+  Ear(const Ear&) = delete;
+  Ear& operator=(const Ear&) = delete;
 
-NodeWatch::~NodeWatch() {
-  close();
-}
-
-void NodeWatch::close() {
-  if (std::exchange(open_, false)) {
-    link_.close();
+  void open() {
+    open_ = true;
+    link_.open(*this);
   }
+  void close() {
+    if (std::exchange(open_, false)) {
+      link_.close();
+    }
+  }
+  [[nodiscard]] bool up() const noexcept { return up_; }
+  [[nodiscard]] const HeardNodes& heard() const noexcept { return heard_; }
+
+ private:
+  void on_frames(std::span<const canopen::Received> frames) override {
+    for (const canopen::Received& received : frames) {
+      if (std::optional<HeardNode> heard = sender_of(received.frame)) {
+        heard_.try_emplace(heard->node, std::move(heard->by));
+      }
+    }
+  }
+  void on_echo(const canopen::Received& /*sent*/) override {}
+  void on_bus_state(const canopen::BusState& state) override {
+    if (up_ != state.up()) {
+      up_ = state.up();
+      heard_.clear();  // Who was there may have been unplugged.
+      watch_.begin_anew();
+    }
+  }
+  void on_frames_lost(std::uint32_t /*count*/) override {}
+
+  NodeWatch& watch_;
+  canopen::Link& link_;
+  HeardNodes heard_;
+  bool open_ = false;
+  bool up_ = false;
+};
+
+NodeWatch::NodeWatch(const boost::asio::any_io_executor& executor) : timer_(executor) {}
+
+NodeWatch::~NodeWatch() = default;
+
+void NodeWatch::add(canopen::Link& link) {
+  ears_.push_back(std::make_unique<Ear>(*this, link));
 }
 
-boost::asio::awaitable<std::map<std::uint8_t, std::string>> NodeWatch::listen(canopen::Duration time) {
-  open_ = true;
-  link_.open(*this);
-  // A change of the bus ends the waiting, and it begins again.
+boost::asio::awaitable<std::vector<HeardNodes>> NodeWatch::listen(canopen::Duration time) {
+  for (const auto& ear : ears_) {
+    ear->open();
+  }
   for (bool whole = false; !whole && !stopped_;) {
-    timer_.expires_at(up_ ? canopen::Clock::now() + time : canopen::kNever);
+    broken_ = false;
+    timer_.expires_at(all_up() ? canopen::Clock::now() + time : canopen::kNever);
     boost::system::error_code woken;
     co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, woken));
-    whole = !woken && up_;
+    whole = !woken && !broken_ && all_up();
   }
-  close();
-  co_return heard_;
+  std::vector<HeardNodes> heard;
+  for (const auto& ear : ears_) {
+    ear->close();
+    heard.push_back(ear->heard());
+  }
+  co_return heard;
 }
 
 void NodeWatch::stop() {
@@ -84,19 +130,13 @@ void NodeWatch::stop() {
   timer_.cancel();
 }
 
-void NodeWatch::on_frames(std::span<const canopen::Received> frames) {
-  for (const canopen::Received& received : frames) {
-    if (std::optional<HeardNode> heard = sender_of(received.frame)) {
-      heard_.try_emplace(heard->node, std::move(heard->by));
-    }
-  }
+bool NodeWatch::all_up() const {
+  return std::ranges::all_of(ears_, &Ear::up);
 }
 
-void NodeWatch::on_bus_state(const canopen::BusState& state) {
-  if (up_ != state.up()) {
-    up_ = state.up();
-    timer_.cancel();
-  }
+void NodeWatch::begin_anew() {
+  broken_ = true;
+  timer_.cancel();
 }
 
 }  // namespace gateway

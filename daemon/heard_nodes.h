@@ -4,9 +4,11 @@
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "canopen/bus/link.h"
 #include "canopen/clock.h"
@@ -25,32 +27,35 @@ struct HeardNode {
 /// nothing of them.
 [[nodiscard]] std::optional<HeardNode> sender_of(const canopen::Frame& frame);
 
-/// Hears a bus.
-class NodeWatch final : public canopen::LinkEvents {
+/// Each node that was heard, and by what first.
+using HeardNodes = std::map<std::uint8_t, std::string>;
+
+/// Hears buses, all at once.
+class NodeWatch {
  public:
-  /// `link` is open while it listens, and outlives it.
-  NodeWatch(const boost::asio::any_io_executor& executor, canopen::Link& link);
+  explicit NodeWatch(const boost::asio::any_io_executor& executor);
   ~NodeWatch();
   NodeWatch(const NodeWatch&) = delete;
   NodeWatch& operator=(const NodeWatch&) = delete;
 
-  /// Until the bus was up for that long without a break; then each node that was heard, and by what first. It waits for
-  /// a bus that is down. Ends early by stop().
-  boost::asio::awaitable<std::map<std::uint8_t, std::string>> listen(canopen::Duration time);
+  /// `link` is open while it listens, and outlives it.
+  void add(canopen::Link& link);
+  /// Until all buses were up for that long, in the same time and without a break; then what was heard on each, in the
+  /// order in which they were added. It waits for buses that are down, and hears the others meanwhile; what was heard
+  /// on a bus before it was down is forgotten. Ends early by stop().
+  boost::asio::awaitable<std::vector<HeardNodes>> listen(canopen::Duration time);
   void stop();
 
  private:
-  void close();
-  void on_frames(std::span<const canopen::Received> frames) override;
-  void on_echo(const canopen::Received& /*sent*/) override {}
-  void on_bus_state(const canopen::BusState& state) override;
-  void on_frames_lost(std::uint32_t /*count*/) override {}
+  class Ear;
 
-  canopen::Link& link_;
-  bool open_ = false;
+  [[nodiscard]] bool all_up() const;
+  /// A bus went up or down.
+  void begin_anew();
+
   canopen::Timer timer_;
-  std::map<std::uint8_t, std::string> heard_;
-  bool up_ = false;
+  std::vector<std::unique_ptr<Ear>> ears_;
+  bool broken_ = false;  ///< Since the waiting began.
   bool stopped_ = false;
 };
 

@@ -5,7 +5,6 @@
 #include <boost/asio/io_context.hpp>
 #include <exception>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <set>
 #include <utility>
@@ -30,7 +29,6 @@ constexpr std::chrono::seconds kListening(2);
 struct SimulatedBus {
   std::string interface;
   std::set<std::uint8_t> nodes;
-  std::unique_ptr<NodeWatch> watch;
 };
 
 /// Everything of one `simulate`.
@@ -40,7 +38,9 @@ class Simulator {
             const simulator::DriveOptions& commissioning)
       : executor_(executor),
         output_(output),
-        site_(executor, [&output](std::string_view text) { output.write(text); }, commissioning) {}
+        site_(
+            executor, [&output](std::string_view text) { output.write(text); }, commissioning),
+        watch_(executor) {}
 
   /// Throws NotSimulated.
   void add(const std::string& interface, const std::vector<SimulatedDrive>& drives) {
@@ -61,19 +61,21 @@ class Simulator {
     }
   }
 
-  /// Listens, and where no node is heard that is to be simulated switches the drives on. False: they stay off.
+  /// Listens to all buses, and where no node is heard that is to be simulated switches the drives on. False: they stay
+  /// off.
   boost::asio::awaitable<bool> begin() {
     for (const SimulatedBus& bus : buses_) {
       output_.write(fmt::format("Listening on {} for {} s, whether a node id is in use there.\n", bus.interface,
                                 kListening.count()));
     }
+    // Together: while one is waited for, somebody may come to another.
+    const std::vector<HeardNodes> heard = co_await watch_.listen(kListening);
+    if (ended_) {
+      co_return false;
+    }
     bool free = true;
-    for (const SimulatedBus& bus : buses_) {  // one after the other, so that a bus that is down is told before the next
-      const std::map<std::uint8_t, std::string> heard = co_await bus.watch->listen(kListening);
-      if (ended_) {
-        co_return false;
-      }
-      free = refuse(bus, heard) && free;
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+      free = refuse(buses_[i], heard[i]) && free;
     }
     if (free) {
       start();
@@ -82,9 +84,7 @@ class Simulator {
   }
   void end() {
     ended_ = true;
-    for (const SimulatedBus& bus : buses_) {
-      bus.watch->stop();
-    }
+    watch_.stop();
     if (started_) {
       site_.stop();
     }
@@ -100,11 +100,12 @@ class Simulator {
     auto link = canopen::make_socketcan_link(executor_, interface,
                                              [](const std::string& text) { std::cerr << text << std::endl; });
     link = make_announced_link(std::move(link), interface, std::cerr);
-    buses_.push_back({interface, {}, std::make_unique<NodeWatch>(executor_, *link)});
+    watch_.add(*link);
+    buses_.push_back({interface, {}});
     return site_.add_network(std::move(link));
   }
 
-  static bool refuse(const SimulatedBus& bus, const std::map<std::uint8_t, std::string>& heard) {
+  static bool refuse(const SimulatedBus& bus, const HeardNodes& heard) {
     bool free = true;
     for (const auto& [node, by] : heard) {
       if (bus.nodes.contains(node)) {
@@ -128,6 +129,7 @@ class Simulator {
   boost::asio::any_io_executor executor_;
   LiveOutput& output_;
   SimulatedSite site_;
+  NodeWatch watch_;
   std::vector<SimulatedBus> buses_;
   bool started_ = false;
   bool ended_ = false;

@@ -14,11 +14,6 @@ namespace {
 using Failure = std::optional<BootFailure>;
 using Items = std::vector<SetupItem>;
 
-/// Nothing of it is taken for granted, whatever the policies say.
-bool relies_on_timer(const PdoSettings& pdo) noexcept {
-  return pdo.event_timer_required && pdo.event_timer;
-}
-
 /// One PDO of one node: where it differs from its settings, and the way to make it so.
 class PdoSetup {
  public:
@@ -50,10 +45,8 @@ class PdoSetup {
     const Result<Raw> found = co_await session_.read(item.object, item.type);
     if (found.has_error()) {
       absent_ = is_absent(found.error());
-      if (!absent_) {
-        co_return session_.failure(found.error(), item.name);
-      }
-      co_return without_object();
+      co_return absent_ ? lacking(why_not_without_object(role_, pdo_))
+                        : Failure(session_.failure(found.error(), item.name));
     }
     cob_id_ = found.value();
     Failure failure = compare_cob_id();
@@ -93,8 +86,10 @@ class PdoSetup {
         note(item.policy, item, found.value());
         parameters_.push_back(item);
       } else if (found.has_error() && is_absent(found.error())) {
-        if (item.object.sub == kPdoEventTimer && relies_on_timer(pdo_)) {
-          co_return without_timer();
+        Failure failure =
+            item.object.sub == kPdoEventTimer ? lacking(why_not_without_timer(role_, pdo_)) : std::nullopt;
+        if (failure) {
+          co_return failure;
         }
         timing_known_ = timing_known_ && item.object.sub == kPdoInhibitTime;
       } else if (found.has_error()) {
@@ -104,26 +99,8 @@ class PdoSetup {
     co_return std::nullopt;
   }
 
-  /// The documented default is taken for granted, but for a timer that a person relies on to end what was commanded,
-  /// and a layout that is to be written because there is none to rely on: a PDO that means something else may fit in
-  /// length.
-  [[nodiscard]] Failure without_object() const {
-    if (relies_on_timer(pdo_)) {
-      return without_timer();
-    }
-    return pdo_.mapping_policy == SetupPolicy::write ? without_mapping() : std::nullopt;
-  }
-  [[nodiscard]] Failure without_mapping() const {
-    return lacking(wanted_mapping(role_, pdo_).front().object,
-                   " mapping: the drive does not have it, so what this PDO holds is not known; where the manual tells "
-                   "it, `mapping = \"assume\"`");
-  }
-  [[nodiscard]] Failure without_timer() const {
-    return lacking({pdo_communication(role_, pdo_), kPdoEventTimer},
-                   " event timer: the drive does not have it, so it would not notice that commands cease");
-  }
-  [[nodiscard]] Failure lacking(ObjectAddress object, const char* what) const {
-    return BootFailure{BootResult::not_configured, to_string(object) + " " + name_ + what, false};
+  [[nodiscard]] static Failure lacking(std::string why) {
+    return why.empty() ? std::nullopt : Failure(BootFailure{BootResult::not_configured, std::move(why), false});
   }
 
   boost::asio::awaitable<Failure> compare_mapping() {
@@ -131,10 +108,8 @@ class PdoSetup {
       const Result<Raw> found = co_await session_.read(item.object, item.type);
       if (found.has_error()) {
         absent_ = item.object.sub == 0 && is_absent(found.error());
-        if (!absent_) {
-          co_return session_.failure(found.error(), item.name);
-        }
-        co_return pdo_.mapping_policy == SetupPolicy::write ? without_mapping() : std::nullopt;
+        co_return absent_ ? lacking(why_not_without_mapping(role_, pdo_))
+                          : Failure(session_.failure(found.error(), item.name));
       }
       if (found.value() != item.wanted) {
         note(pdo_.mapping_policy, item, found.value());

@@ -74,6 +74,33 @@ std::vector<SetupItem> wanted_mapping(PdoRole role, const PdoSettings& pdo) {
   return items;
 }
 
+bool relies_on_timer(const PdoSettings& pdo) noexcept {
+  return pdo.event_timer_required && pdo.event_timer;
+}
+
+std::string why_not_without_object(PdoRole role, const PdoSettings& pdo) {
+  return relies_on_timer(pdo) ? why_not_without_timer(role, pdo) : why_not_without_mapping(role, pdo);
+}
+
+// A layout is to be written where there is none to rely on: a PDO that means something else may fit in length.
+std::string why_not_without_mapping(PdoRole role, const PdoSettings& pdo) {
+  if (pdo.mapping_policy != SetupPolicy::write) {
+    return "";
+  }
+  return to_string(wanted_mapping(role, pdo).front().object) + " " + pdo_name(role, pdo) +
+         " mapping: the drive does not have it, so what this PDO holds is not known; where the manual tells it, "
+         "`mapping = \"assume\"`";
+}
+
+// It ends what was commanded where commands cease.
+std::string why_not_without_timer(PdoRole role, const PdoSettings& pdo) {
+  if (!relies_on_timer(pdo)) {
+    return "";
+  }
+  return to_string(ObjectAddress{pdo_communication(role, pdo), kPdoEventTimer}) + " " + pdo_name(role, pdo) +
+         " event timer: the drive does not have it, so it would not notice that commands cease";
+}
+
 SetupItem wanted_heartbeat(const ErrorControlSettings& control) {
   const ErrorControlKind kind = kind_of(control);
   const Raw wanted = kind == ErrorControlKind::heartbeat ? whole_ms(control.heartbeat) : 0;

@@ -28,6 +28,14 @@ inline constexpr Raw kPdoRtrForbidden = 0x4000'0000;  ///< Bit 30; devices keep 
 /// The number of objects first, then each.
 [[nodiscard]] std::vector<SetupItem> wanted_mapping(PdoRole role, const PdoSettings& pdo);
 
+/// A person relies on its event timer to end what was commanded, whatever the policies say.
+[[nodiscard]] bool relies_on_timer(const PdoSettings& pdo) noexcept;
+/// Why a node cannot serve the PDO that lacks its communication object, its mapping object, or only its event timer;
+/// for people. Empty where it can: then what is documented is taken for granted.
+[[nodiscard]] std::string why_not_without_object(PdoRole role, const PdoSettings& pdo);
+[[nodiscard]] std::string why_not_without_mapping(PdoRole role, const PdoSettings& pdo);
+[[nodiscard]] std::string why_not_without_timer(PdoRole role, const PdoSettings& pdo);
+
 /// 0x1017
 [[nodiscard]] SetupItem wanted_heartbeat(const ErrorControlSettings& control);
 

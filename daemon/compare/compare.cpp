@@ -36,12 +36,17 @@ std::string why_another(const config::Model& model, const config::Drive& drive, 
   return "";
 }
 
+// Its boot ended with a letter: it is there, and the gateway does not serve it.
+bool has_letter(const RunningDrive& running) {
+  return running.boot != "ok" && running.boot != "not-booted" && !running.boot.empty();
+}
+
 // Why nothing can be read of it; empty where it can.
 std::string why_not_there(const RunningDrive& running) {
   if (!running.enabled) {
     return "is out of service in the running gateway (enabled = false), so it was not compared";
   }
-  if (!running.online) {
+  if (!running.online && !has_letter(running)) {
     return "is offline, so it was not compared" +
            (running.boot_text.empty() ? std::string() : "; its boot: " + running.boot_text);
   }
@@ -49,15 +54,15 @@ std::string why_not_there(const RunningDrive& running) {
 }
 
 void compare_all(DriveView& view, const config::DriveNotes& notes, const RunningDrive& running) {
+  // Whatever is found beside it: the gateway does not serve the drive.
+  if (has_letter(running)) {
+    view.note(Level::error, "boot " + running.boot + ": " + running.boot_text);
+  }
   compare_identity(view);
   compare_error_control(view);
   compare_pdos(view);
   compare_setup(view);
   compare_live_checks(view, notes);
-  // A letter whose cause is in none of them.
-  if (!view.differs() && running.boot != "ok" && !running.boot_text.empty()) {
-    view.note(Level::error, "boot " + running.boot + ": " + running.boot_text);
-  }
 }
 
 void compare_drive(Comparison& into, const config::Drive& drive, const config::DriveNotes& notes,

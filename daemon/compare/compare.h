@@ -48,7 +48,8 @@ struct Comparison {
 };
 
 /// Compares all drives that are in service, one after the other and one object at a time, by reading alone. `notes` are
-/// those of the model's drives. A drive that is offline, or falls silent, is a warning.
+/// those of the model's drives. A drive that is offline, or falls silent, is a warning; one whose boot ended with a
+/// letter is an error, and compared as far as it answers.
 [[nodiscard]] Comparison compare(const config::Model& model, std::span<const config::DriveNotes> notes,
                                  const Running& running, const Ask& ask);
 

@@ -30,10 +30,11 @@ Reading DriveView::read(canopen::ObjectAddress object, canopen::DataType type, c
   return reading;
 }
 
-void DriveView::compare(const canopen::SetupItem& item, config::Finding::Level level, const std::string& remedy) {
+Reading::Kind DriveView::compare(const canopen::SetupItem& item, config::Finding::Level level,
+                                 const std::string& remedy) {
   const Reading found = read(item.object, item.type, item.name);
   if (found.kind != Reading::Kind::value) {
-    return;
+    return found.kind;
   }
   if (((found.raw ^ item.wanted) & item.mask) == 0) {
     as_it_should();
@@ -42,10 +43,10 @@ void DriveView::compare(const canopen::SetupItem& item, config::Finding::Level l
   } else {
     note(level, canopen::difference_text(item, found.raw) + remedy);
   }
+  return found.kind;
 }
 
 void DriveView::note(config::Finding::Level level, const std::string& text) {
-  differs_ = differs_ || level == config::Finding::Level::error;
   findings_.push_back({.file = place_of_drive(drive_.name), .level = level, .text = text});
 }
 

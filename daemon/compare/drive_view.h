@@ -25,13 +25,12 @@ class DriveView {
 
   [[nodiscard]] const config::Drive& drive() const noexcept { return drive_; }
   [[nodiscard]] bool silent() const noexcept { return silent_; }
-  /// An error was noted.
-  [[nodiscard]] bool differs() const noexcept { return differs_; }
 
   /// Whoever asks for a value looks at its kind; what cannot be read has its finding by then.
   Reading read(canopen::ObjectAddress object, canopen::DataType type, const std::string& name);
   /// Reads it. Where it is not as wanted, `remedy` ends the finding; one that will do (canopen::will_do) is a warning.
-  void compare(const canopen::SetupItem& item, config::Finding::Level level, const std::string& remedy);
+  /// Returns what became of the reading.
+  Reading::Kind compare(const canopen::SetupItem& item, config::Finding::Level level, const std::string& remedy);
   void as_it_should() noexcept { ++counts_.alike; }
   void note(config::Finding::Level level, const std::string& text);
 
@@ -41,7 +40,6 @@ class DriveView {
   config::Findings& findings_;
   Counts& counts_;
   bool silent_ = false;
-  bool differs_ = false;
 };
 
 /// Its place in a finding: `drive "pump1"`.

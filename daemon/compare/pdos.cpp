@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <optional>
 #include <vector>
 
+#include "canopen/node/pdo_times.h"
 #include "canopen/node/wanted_objects.h"
 #include "daemon/compare/remedy.h"
 #include "daemon/compare/settings.h"
@@ -30,6 +32,13 @@ std::string mapping_text(const std::vector<Raw>& entries) {
   return text.empty() ? "nothing" : text;
 }
 
+// What the next boot calls letter J.
+void note_lack(DriveView& view, const std::string& why) {
+  if (!why.empty()) {
+    view.note(Level::error, why);
+  }
+}
+
 /// False: the drive has no such communication object.
 bool compare_cob_id(DriveView& view, PdoRole role, const PdoSettings& pdo, Level level) {
   SetupItem item = canopen::wanted_cob_id(role, pdo, pdo.cob_id);
@@ -48,10 +57,32 @@ bool compare_cob_id(DriveView& view, PdoRole role, const PdoSettings& pdo, Level
   return true;
 }
 
+/// What the drive has mapped, by the number that it shows; nothing: it cannot be compared, and why is noted.
+std::optional<std::vector<Raw>> mapping_found(DriveView& view, const SetupItem& first, Raw number, Level level) {
+  std::vector<Raw> found;
+  for (Raw sub = 1; sub <= number; ++sub) {
+    const canopen::ObjectAddress object{first.object.index, static_cast<std::uint8_t>(sub)};
+    const Reading entry = view.read(object, first.type, first.name);
+    if (entry.kind == Reading::Kind::absent) {
+      view.note(level, fmt::format("{} {}: the drive does not have it, although sub 0 says {}",
+                                   canopen::to_string(object), first.name, number));
+    }
+    if (entry.kind != Reading::Kind::value) {
+      return std::nullopt;
+    }
+    found.push_back(entry.raw);
+  }
+  return found;
+}
+
 void compare_mapping(DriveView& view, PdoRole role, const PdoSettings& pdo) {
   const std::vector<SetupItem> items = canopen::wanted_mapping(role, pdo);
   const SetupItem& count = items.front();
+  const Level level = pdo.mapping_policy == SetupPolicy::assume ? Level::warning : Level::error;
   const Reading number = view.read(count.object, count.type, count.name);
+  if (number.kind == Reading::Kind::absent) {
+    note_lack(view, canopen::why_not_without_mapping(role, pdo));
+  }
   if (number.kind != Reading::Kind::value) {
     return;
   }
@@ -60,23 +91,29 @@ void compare_mapping(DriveView& view, PdoRole role, const PdoSettings& pdo) {
     wanted.push_back(items[i].wanted);
   }
   constexpr Raw kMostMapped = 64;  // CiA 301 §7.5.2.36; 254 and 255 are multiplexed PDOs.
-  std::vector<Raw> found;
-  for (Raw sub = 1; sub <= number.raw && number.raw <= kMostMapped; ++sub) {
-    const canopen::ObjectAddress object{count.object.index, static_cast<std::uint8_t>(sub)};
-    const Reading entry = view.read(object, canopen::DataType::u32, canopen::pdo_name(role, pdo) + " mapping");
-    if (entry.kind != Reading::Kind::value) {
-      return;
-    }
-    found.push_back(entry.raw);
+  const bool multiplexed = number.raw > kMostMapped;
+  const auto found = mapping_found(view, items.back(), multiplexed ? 0 : number.raw, level);
+  if (!found) {
+    return;
   }
-  if (found == wanted) {
+  if (*found == wanted && !multiplexed) {
     view.as_it_should();
     return;
   }
-  const Level level = pdo.mapping_policy == SetupPolicy::assume ? Level::warning : Level::error;
+  const std::string shown =
+      multiplexed ? fmt::format("{} objects (254 and 255: multiplexed)", number.raw) : mapping_text(*found);
   view.note(level, fmt::format("0x{:04X} {} mapping: expected {}, found {}{}", count.object.index,
-                               canopen::pdo_name(role, pdo), mapping_text(wanted), mapping_text(found),
+                               canopen::pdo_name(role, pdo), mapping_text(wanted), shown,
                                remedy_of(pdo.mapping_policy, view.drive())));
+}
+
+void compare_parameters(DriveView& view, PdoRole role, const PdoSettings& pdo, Level level, const std::string& remedy) {
+  for (const SetupItem& item : canopen::wanted_parameters(role, pdo)) {
+    const Reading::Kind read = view.compare(item, level, remedy);
+    if (read == Reading::Kind::absent && item.object.sub == canopen::kPdoEventTimer) {
+      note_lack(view, canopen::why_not_without_timer(role, pdo));
+    }
+  }
 }
 
 void compare_pdo(DriveView& view, PdoRole role, const PdoSettings& pdo) {
@@ -87,10 +124,12 @@ void compare_pdo(DriveView& view, PdoRole role, const PdoSettings& pdo) {
   if (assumed) {
     stated.communication = SetupPolicy::verify;  // So that what is stated is looked at, though no boot reads it.
   }
+  if (const std::string why = is_there ? "" : canopen::why_not_without_object(role, pdo); !why.empty()) {
+    view.note(Level::error, why);
+    return;  // A boot looks no further.
+  }
   if (is_there) {
-    for (const SetupItem& item : canopen::wanted_parameters(role, stated)) {
-      view.compare(item, level, remedy_of(pdo.communication, view.drive()));
-    }
+    compare_parameters(view, role, stated, level, remedy_of(pdo.communication, view.drive()));
   }
   compare_mapping(view, role, pdo);
 }

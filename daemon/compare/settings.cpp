@@ -76,7 +76,10 @@ void compare_limit(DriveView& view, const LiveCheck& check, Raw found) {
   const config::Signal& signal = view.drive().signals[*view.drive().find(check.limits)];
   const std::optional<double> greatest = greatest_of(signal);
   const double limit = canopen::to_number(check.type, found) * check.scale;
-  if (!greatest || *greatest <= limit + check.scale / 2) {
+  if (!greatest) {
+    return;  // Nothing is stated that the drive might cut.
+  }
+  if (*greatest <= limit + check.scale / 2) {
     view.as_it_should();
     return;
   }

@@ -44,7 +44,7 @@ test('it shows the plant', async () => {
   await until('it is live', async () => await page.locator('#link').textContent() === 'live');
   await until('all drives are shown', async () => await page.locator('#drive-list > li').count() === 4);
   await until('their state', async () => await badge('pump1') === 'stopped');
-  assert.equal(await page.locator('h1').textContent(), 'demo');
+  assert.equal(await page.locator('h1').textContent(), 'demo-demo');
   assert.equal(await page.locator('#summary').textContent(), '4 of 4 drives online');
   assert.match(await page.locator('#bus-rows tr').innerText(), /demo\s+virtual\s+active\s+\d+\.\d %/);
   assert.match(await page.locator('#client-lists').innerText(), /no connection/);
@@ -124,7 +124,7 @@ test('the map is searched', async () => {
   const rows = await page.locator('#map-rows tr').allInnerTexts();
   assert.equal(rows.length, 2);
   assert.match(rows[0], /pump1\s+output_frequency\s+Hz\s+5: register 2\s+0x2021:02/);
-  assert.match(rows[1], /canopen\/demo\/pump1\/frequency_command\/set/);
+  assert.match(rows[1], /canopen\/demo-demo\/pump1\/frequency_command\/set/);
 });
 
 test('it is used by keyboard', async () => {

@@ -80,6 +80,23 @@ wait_until 20 "no error is left" look_until_right
 expect "exit code" 0 $code
 expect_line "warnings change nothing about it" '^ok: '
 
+say "a drive whose boot ends with a letter"
+order 9 absent 0x1A00
+look
+expect "what the next boot would say: exit code" 78 $code
+expect_line "the object is missing" '^drive "mixer1": error: 0x1A00:00 TPDO1 mapping: the drive does not have it'
+order 9 reboot
+letter_of_mixer() { "$gateway_bin" status --json --control "$socket" | jq -r '.drives[] | select(.name == "mixer1") | .boot'; }
+has_letter() { [ "$(letter_of_mixer)" = J ]; }
+wait_until 20 "mixer1 has the letter" has_letter
+look
+expect "exit code" 78 $code
+expect_line "the letter" '^drive "mixer1": error: boot J: 0x1A00:00 TPDO1 mapping: the drive does not have it'
+expect_no_line "no ok" '^ok:'
+order 9 behave
+order 9 reboot
+wait_until 20 "all are back" all_online
+
 say "drives that are not there, or do not answer"
 order 7 unplug on
 order 9 sdo-drop 100000

@@ -63,10 +63,14 @@ TEST_F(RpdoSupervisionTest, ADriveWithoutTheTimerIsNotStarted) {
 }
 
 TEST_F(RpdoSupervisionTest, NorIsOneWithoutTheWholeObject) {
-  install(supervised());
-  remove_communication();
-  boot(supervised());
-  expect_letter(BootResult::not_configured, "0x1400:05 RPDO1 event timer: the drive does not have it");
+  for (const SetupPolicy policy : {SetupPolicy::write, SetupPolicy::verify, SetupPolicy::assume}) {
+    install(supervised(policy));
+    remove_communication();
+    boot(supervised(policy));
+    expect_letter(BootResult::not_configured, "0x1400:05 RPDO1 event timer: the drive does not have it");
+    const auto stopped = support::spawn(loop_.executor(), node_->stop());
+    loop_.settle();
+  }
 }
 
 TEST_F(RpdoSupervisionTest, NorIsOneThatKeepsAnotherTime) {

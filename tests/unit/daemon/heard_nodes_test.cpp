@@ -64,7 +64,10 @@ class NodeWatchTest : public testing::Test {
     void on_frames_lost(std::uint32_t /*count*/) override {}
   };
 
-  NodeWatchTest() { sender_->open(quiet_); }
+  NodeWatchTest() {
+    sender_->open(quiet_);
+    watch_.add(*link_);
+  }
   ~NodeWatchTest() override { sender_->close(); }
 
   support::HandDrivenLoop loop_;
@@ -72,7 +75,9 @@ class NodeWatchTest : public testing::Test {
   Quiet quiet_;
   std::unique_ptr<canopen::Link> sender_ = wire_.connect();
   std::unique_ptr<canopen::Link> link_ = wire_.connect();
-  NodeWatch watch_{loop_.executor(), *link_};
+  canopen::VirtualBus other_wire_{loop_.executor()};
+  std::unique_ptr<canopen::Link> other_ = other_wire_.connect();
+  NodeWatch watch_{loop_.executor()};
 };
 
 TEST_F(NodeWatchTest, HearsEachNodeAndByWhatFirst) {
@@ -85,7 +90,8 @@ TEST_F(NodeWatchTest, HearsEachNodeAndByWhatFirst) {
   EXPECT_FALSE(listening.done());
   loop_.advance(200ms);
   ASSERT_TRUE(listening.done());
-  EXPECT_THAT(listening.get(), ElementsAre(Pair(5, "its TPDO1 (0x185)"), Pair(9, "its heartbeat (0x709)")));
+  EXPECT_THAT(listening.get(),
+              ElementsAre(ElementsAre(Pair(5, "its TPDO1 (0x185)"), Pair(9, "its heartbeat (0x709)"))));
 }
 
 TEST_F(NodeWatchTest, WaitsForABusThatIsDown) {
@@ -98,10 +104,53 @@ TEST_F(NodeWatchTest, WaitsForABusThatIsDown) {
   EXPECT_FALSE(listening.done());
   loop_.advance(200ms);
   ASSERT_TRUE(listening.done());
-  EXPECT_THAT(listening.get(), IsEmpty());
+  EXPECT_THAT(listening.get(), ElementsAre(IsEmpty()));
 }
 
 TEST_F(NodeWatchTest, BeginsAgainWhereTheBusWasDown) {
+  const auto listening = support::spawn(loop_.executor(), watch_.listen(2s));
+  loop_.advance(1900ms);
+  wire_.set_state({canopen::BusCondition::down, 0, 0});
+  loop_.advance(1s);
+  wire_.set_state({canopen::BusCondition::error_active, 0, 0});
+  loop_.advance(1900ms);
+  EXPECT_FALSE(listening.done());
+  loop_.advance(200ms);
+  EXPECT_TRUE(listening.done());
+}
+
+TEST_F(NodeWatchTest, ForgetsWhoWasThereBeforeTheBusWasDown) {
+  const auto listening = support::spawn(loop_.executor(), watch_.listen(2s));
+  loop_.advance(100ms);
+  EXPECT_EQ(sender_->send(frame(0x705)), canopen::SendResult::handed_over);
+  loop_.advance(100ms);
+  wire_.set_state({canopen::BusCondition::down, 0, 0});
+  loop_.advance(1s);
+  wire_.set_state({canopen::BusCondition::error_active, 0, 0});
+  loop_.advance(2100ms);
+  ASSERT_TRUE(listening.done());
+  EXPECT_THAT(listening.get(), ElementsAre(IsEmpty()));
+}
+
+// A drive may be plugged in while another bus is waited for.
+TEST_F(NodeWatchTest, HearsABusAsLongAsAnotherIsWaitedFor) {
+  watch_.add(*other_);
+  other_wire_.set_state({canopen::BusCondition::down, 0, 0});
+  const auto listening = support::spawn(loop_.executor(), watch_.listen(2s));
+  loop_.advance(60s, 5ms);
+  EXPECT_FALSE(listening.done());
+  EXPECT_EQ(sender_->send(frame(0x705)), canopen::SendResult::handed_over);
+  loop_.advance(60s, 5ms);
+  other_wire_.set_state({canopen::BusCondition::error_active, 0, 0});
+  loop_.advance(1900ms);
+  EXPECT_FALSE(listening.done());
+  loop_.advance(200ms);
+  ASSERT_TRUE(listening.done());
+  EXPECT_THAT(listening.get(), ElementsAre(ElementsAre(Pair(5, "its heartbeat (0x705)")), IsEmpty()));
+}
+
+TEST_F(NodeWatchTest, BeginsAgainWhereAnyBusWasDown) {
+  watch_.add(*other_);
   const auto listening = support::spawn(loop_.executor(), watch_.listen(2s));
   loop_.advance(1900ms);
   wire_.set_state({canopen::BusCondition::down, 0, 0});

@@ -73,6 +73,17 @@ class LiveComparison : public test::DemoPlant {
     ASSERT_NE(object, nullptr);
     ASSERT_EQ(simulator::ObjectDictionary::write(*object, value), simulator::Abort::none);
   }
+  [[nodiscard]] canopen::BootResult letter_of(std::size_t drive) {
+    return gateway_.plant().drive(drive).status().boot_result;
+  }
+  // Powers it off and on, until its boot has ended with a letter.
+  void boot_again(std::size_t drive) {
+    drives_[drive]->power_off();
+    loop_.advance(5s, 5ms);
+    drives_[drive]->power_on();
+    ASSERT_TRUE(loop_.advance_until([&] { return is_letter(letter_of(drive)); }, 30s));
+    ASSERT_FALSE(gateway_.plant().drive(drive).status().online);
+  }
   canopen::NodeSettings& node(std::size_t drive) { return configured_.drives[drive].node; }
 
   config::Model configured_;  ///< What `check` reads; the gateway runs model_.
@@ -259,6 +270,81 @@ TEST_F(LiveDifference, OfALetterWhoseCauseIsNotRead) {
   const Comparison comparison = compare(configured_, notes_, running, [this](const std::string& r) { return ask(r); });
   ASSERT_THAT(comparison.findings, SizeIs(1));
   EXPECT_EQ(to_string(comparison.findings.front()), "drive \"pump1\": error: boot J: it left operational by itself");
+}
+
+// ---- Drives whose boot ended with a letter: they are there, but not online.
+
+TEST_F(LiveDifference, OfAMappingThatTheDriveDoesNotHave) {
+  drives_[kMixer]->misbehaviour().absent = {{0x1A00, {}}};
+  const std::string same =
+      "0x1A00:00 TPDO1 mapping: the drive does not have it, so what this PDO holds is not known; where the manual "
+      "tells it, `mapping = \"assume\"`";
+  EXPECT_THAT(findings(), ElementsAre("drive \"mixer1\": error: " + same)) << "before the boot that will say so";
+  boot_again(kMixer);
+  const std::vector<std::string> found = findings();
+  ASSERT_THAT(found, Contains("drive \"mixer1\": error: " + same));
+  EXPECT_EQ(found.front(), "drive \"mixer1\": error: boot J: " + same);
+}
+
+TEST_F(LiveDifference, OfAPdoThatTheDriveDoesNotHave) {
+  drives_[kMixer]->misbehaviour().absent = {{0x1800, {}}};
+  EXPECT_THAT(findings(), ElementsAre(HasSubstr("error: 0x1A00:00 TPDO1 mapping: the drive does not have it")));
+  node(kMixer).tpdos.front().mapping_policy = canopen::SetupPolicy::verify;
+  EXPECT_THAT(findings(), IsEmpty()) << "what is documented is taken for granted";
+}
+
+TEST_F(LiveDifference, OfAnEventTimerThatSomebodyReliesOn) {
+  drives_[kMixer]->misbehaviour().absent = {{0x1400, 5}};
+  canopen::PdoSettings& rpdo = node(kMixer).rpdos.front();
+  rpdo.event_timer = 500;
+  rpdo.event_timer_required = false;
+  EXPECT_THAT(findings(), IsEmpty());
+  rpdo.event_timer_required = true;
+  EXPECT_THAT(findings(), ElementsAre("drive \"mixer1\": error: 0x1400:05 RPDO1 event timer: the drive does not have "
+                                      "it, so it would not notice that commands cease"));
+}
+
+TEST_F(LiveDifference, OfAMappedObjectThatIsCountedAndNotThere) {
+  drives_[kMixer]->misbehaviour().absent = {{0x1A00, 2}};
+  EXPECT_THAT(findings(), ElementsAre("drive \"mixer1\": error: 0x1A00:02 TPDO1 mapping: the drive does "
+                                      "not have it, although sub 0 says 2"));
+}
+
+TEST_F(LiveDifference, OfAMultiplexedPdo) {
+  const auto running = read_running(ask(R"({"op":"status"})").value());
+  const Comparison comparison =
+      compare(configured_, notes_, running.value(), [this](const std::string& request) -> std::optional<std::string> {
+        if (request.find(R"("mixer1","object":"0x1A00:00")") != std::string::npos) {
+          return R"({"id":1,"ok":true,"value":254})";
+        }
+        return ask(request);
+      });
+  ASSERT_THAT(comparison.findings, SizeIs(1));
+  EXPECT_THAT(to_string(comparison.findings.front()),
+              HasSubstr("error: 0x1A00 TPDO1 mapping: expected 0x6041:00 16 bit, 0x6044:00 16 bit, found 254 objects "
+                        "(254 and 255: multiplexed); the gateway writes it"));
+}
+
+TEST_F(LiveComparison, ALimitIsNotAsConfiguredWhereNoneIs) {
+  const Comparison before = look();
+  config::Drive& pump = configured_.drives[kPump];
+  pump.signals[pump.find("frequency_command").value()].max.reset();
+  const Comparison after = look();
+  EXPECT_LT(after.objects.alike, before.objects.alike);
+  EXPECT_THAT(after.findings, IsEmpty());
+}
+
+// Found running otherwise than wanted: left as it is.
+TEST_F(LiveDifference, OfADriveThatRunsWithOtherSettings) {
+  set(kHoist, {0x1801, 5}, 500);
+  drives_[kHoist]->misbehaviour().unplugged = true;
+  loop_.advance(5s, 5ms);
+  drives_[kHoist]->misbehaviour().unplugged = false;
+  ASSERT_TRUE(loop_.advance_until([&] { return letter_of(kHoist) != canopen::BootResult::not_booted; }, 60s));
+  ASSERT_EQ(letter_of(kHoist), canopen::BootResult::left_alone);
+  EXPECT_THAT(findings(),
+              ElementsAre(StartsWith("drive \"hoist1\": error: boot L: "),
+                          StartsWith("drive \"hoist1\": error: 0x1801:05 TPDO2 event timer: expected 100, found 500")));
 }
 
 // ---- Drives that are not there, and a gateway that runs something else.
