@@ -11,7 +11,7 @@
 namespace canopen {
 namespace {
 
-constexpr Duration kStep = std::chrono::seconds(1);
+constexpr Duration kLookEach = std::chrono::seconds(1);
 constexpr Duration kMinute = std::chrono::minutes(1);
 // A look each second, and one that comes late.
 constexpr Duration kAgeTold = std::chrono::seconds(3);
@@ -66,7 +66,7 @@ BusSurvey::BusSurvey(const boost::asio::any_io_executor& executor, Bus& bus, Han
 
 void BusSurvey::start() {
   second_began_ = Clock::now();
-  timer_.arm(Clock::now() + kStep);
+  timer_.arm(Clock::now() + kLookEach);
 }
 
 void BusSurvey::on_frame(const Received& received, FrameOrigin origin) {
@@ -162,8 +162,8 @@ void BusSurvey::look() {
   }
   const SuspicionHold::Change change = suspicion_.look(judge(signs(known)), now, wall_now());
   // By time and not by looks: a process that was stopped looks once for all of it.
-  const auto passed = (now - second_began_) / kStep;
-  second_began_ += passed * kStep;
+  const auto passed = (now - second_began_) / kLookEach;
+  second_began_ += passed * kLookEach;
   traffic_.pass(static_cast<std::size_t>(passed));
   if (change.ended && handlers_.ended) {
     handlers_.ended(*change.ended);
@@ -171,7 +171,7 @@ void BusSurvey::look() {
   if (change.began && handlers_.began) {
     handlers_.began(*change.began, change.displaced);
   }
-  timer_.arm(now + kStep);
+  timer_.arm(now + kLookEach);
 }
 
 void BusSurvey::set_served(const NodeSet& served) {

@@ -22,7 +22,7 @@ using doctor::Line;
 using doctor::Lines;
 using doctor::Verdict;
 
-constexpr std::chrono::milliseconds kPatience(3000);
+constexpr std::chrono::milliseconds kAnswerPatience(3000);
 
 void append(Lines& lines, Lines more) {
   for (Line& line : more) {
@@ -92,13 +92,13 @@ void look_at_ports(Lines& lines, const config::Model& model, const doctor::PortH
 // `lacks_files`: as try_broker() has it.
 void look_at_brokers(Lines& lines, const config::Mqtt& mqtt, bool lacks_files) {
   for (const config::Endpoint& broker : mqtt.brokers) {
-    lines.push_back(judge(broker, doctor::try_broker(mqtt, broker, lacks_files, kPatience)));
+    lines.push_back(judge(broker, doctor::try_broker(mqtt, broker, lacks_files, kAnswerPatience)));
   }
 }
 
 void look_at_plant(Lines& lines, const config::Model& model, const std::vector<doctor::Wanted>& files,
                    std::optional<std::chrono::milliseconds> listening) {
-  const doctor::GatewayFacts gateway = doctor::ask_gateway(model.gateway.control, kPatience);
+  const doctor::GatewayFacts gateway = doctor::ask_gateway(model.gateway.control, kAnswerPatience);
   const doctor::Presence presence = presence_of(model.gateway.control, gateway);
   lines.push_back(judge(model.gateway.control, gateway));
   const doctor::FileFacts file_facts = try_files(files);
