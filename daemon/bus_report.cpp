@@ -66,7 +66,8 @@ void append_suspicion(ObjectText& to, const BusHealth& health) {
   ObjectText object(to.key("suspicion"));
   object.text("kind", name_of(health.suspicion->kind));
   object.text("since", text::timestamp(health.suspected_since));
-  object.text("text", health.suspicion->text());
+  object.number("age", seconds(health.suspicion_age));
+  object.text("text", suspicion_text(health));
   object.text("seen", health.suspicion->seen);
   object.text("look", health.suspicion->look);
   object.close();
@@ -137,7 +138,7 @@ void append_load(ObjectText& to, const std::optional<Extremes>& load) {
 
 void append_bus_summary(ObjectText& to, const process::Plant& plant, std::size_t bus, const Surveys& surveys) {
   const BusHealth health = surveys ? surveys(bus).health() : BusHealth{};
-  const std::string suspicion = health.suspicion ? health.suspicion->text() : std::string();
+  const std::string suspicion = suspicion_text(health);
   to.text("suspicion", health.suspicion ? std::optional<std::string_view>(suspicion) : std::nullopt);
   const NodeHealth* const worst = worst_node(health);
   if (worst == nullptr) {

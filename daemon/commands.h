@@ -27,8 +27,8 @@ namespace gateway {
 [[nodiscard]] std::string text_of(const config::Findings& findings);
 
 /// `doctor`: what on this machine would keep the gateway from working; looks only, and sends nothing on a bus. Listens
-/// on each for `listening`.
-[[nodiscard]] int examine(const Options& options, std::chrono::milliseconds listening);
+/// on each for `listening`; nothing: as long as its drives may be silent, at least 3 s.
+[[nodiscard]] int examine(const Options& options, std::optional<std::chrono::milliseconds> listening);
 
 /// `map`: every signal with its object, Modbus address and topics, in one of the formats of map.h.
 [[nodiscard]] int show_map(const Options& options, const std::string& format);

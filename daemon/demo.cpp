@@ -3,18 +3,16 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <exception>
-#include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "canopen/bus/virtual_link.h"
 #include "daemon/commands.h"
 #include "daemon/demo_config.h"
 #include "daemon/demo_screen.h"
 #include "daemon/demo_site.h"
 #include "daemon/descriptors.h"
 #include "daemon/gateway.h"
+#include "daemon/in_process_buses.h"
 #include "daemon/log.h"
 #include "daemon/output.h"
 #include "daemon/simulated_site.h"
@@ -42,31 +40,6 @@ config::Loaded load_demo(const Options& options) {
   return loaded;
 }
 
-/// The demo's buses: in-process ones, whatever interface the configuration names.
-class DemoBuses {
- public:
-  DemoBuses(const boost::asio::any_io_executor& executor, const config::Model& model) : model_(model) {
-    for (std::size_t i = 0; i < model.buses.size(); ++i) {
-      buses_.push_back(std::make_unique<canopen::VirtualBus>(executor));
-    }
-  }
-
-  [[nodiscard]] std::unique_ptr<canopen::Link> connect(std::size_t bus) { return buses_.at(bus)->connect(); }
-  [[nodiscard]] std::unique_ptr<canopen::Link> connect(const config::Bus& bus) {
-    return connect(static_cast<std::size_t>(&bus - model_.buses.data()));
-  }
-
- private:
-  const config::Model& model_;
-  std::vector<std::unique_ptr<canopen::VirtualBus>> buses_;
-};
-
-void add_drives(SimulatedSite& site, DemoBuses& buses, const config::Model& model) {
-  for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
-    site.add_drives(site.add_network(buses.connect(bus)), model, bus);
-  }
-}
-
 }  // namespace
 
 int demo(const Options& options) {
@@ -89,12 +62,12 @@ int demo(const Options& options) {
   model->gateway.control = (directory.path() / "control").string();
   model->gateway.state_dir = (directory.path() / "state").string();
   const Log log(options.verbose);
-  DemoBuses buses(loop.get_executor(), *model);
+  InProcessBuses buses(loop.get_executor(), *model);
   LiveOutput output(STDOUT_FILENO, [&stop] { stop.stop(); });
   const auto show = [&output](std::string_view text) { output.write(text); };
   SimulatedSite site(loop.get_executor(), show);
   try {
-    add_drives(site, buses, *model);
+    buses.add_drives(site);
   } catch (const NotSimulated& reason) {
     complain(reason.what());
     return kConfigurationError;

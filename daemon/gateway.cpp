@@ -274,6 +274,9 @@ void Gateway::start(std::span<const int> passed) {
 // No command begins any more; those that have begun still get their answer on MQTT and the control socket. Modbus
 // clients are gone at once, and what they began ends with the plant.
 boost::asio::awaitable<void> Gateway::stop() {
+  if (recording_) {
+    recording_->stop_reading();
+  }
   if (http_) {
     history_->stop();
     co_await http_->stop();

@@ -71,7 +71,7 @@ struct CommandLine {
   std::string interface;
   std::vector<std::string> drives;
   std::string tpdo;
-  std::string listening = "3s";
+  std::string listening;
   std::filesystem::path control;
   std::string drive;
   std::string bus;
@@ -213,9 +213,10 @@ void describe(CLI::App& app, CommandLine& line) {
   CLI::Option* const live = check->add_flag("--live", line.live, "Compare with the drives of the running daemon too");
   check->get_option("--control")->needs(live);
   CLI::App* const doctor = app.add_subcommand("doctor", "What on this machine would keep the gateway from working");
-  doctor->add_option("--listen", line.listening, "How long to listen on each bus, up to 60s")
-      ->check(CLI::Validator(check_listening, "DURATION"))
-      ->capture_default_str();
+  doctor
+      ->add_option("--listen", line.listening,
+                   "How long to listen on each bus, up to 60s (default: as a drive may be silent, at least 3s)")
+      ->check(CLI::Validator(check_listening, "DURATION"));
   CLI::App* const map = app.add_subcommand("map", "Every signal with its object, Modbus address and MQTT topics");
   map->add_option("--format", line.map_format, "table, json, csv or markdown")
       ->check(CLI::IsMember({"table", "json", "csv", "markdown"}))
@@ -263,7 +264,7 @@ int carry_out(const CLI::App& app, const CommandLine& line) {
     return line.live ? gateway::check_live(line.options, line.control) : gateway::check(line.options);
   }
   if (app.got_subcommand("doctor")) {
-    return gateway::examine(line.options, parse_listening(line.listening).value());
+    return gateway::examine(line.options, parse_listening(line.listening));
   }
   if (app.got_subcommand("map")) {
     return gateway::show_map(line.options, line.map_format);

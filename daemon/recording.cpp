@@ -24,7 +24,16 @@ Recording::Recording(const boost::asio::any_io_executor& executor, process::Plan
 
 void Recording::show_in(http::Site& site) {
   site.records = [this]() -> const std::optional<recorder::StoredRecords>& { return recorder_.keeper().records(); };
-  site.read_record = [this](std::string name, std::uint64_t offset) { return reader_.read(std::move(name), offset); };
+  site.read_record = [this](std::string name, std::uint64_t offset) { return read(std::move(name), offset); };
+}
+
+// What cannot be read was removed by somebody, most likely: alarms and lists are to name it no more.
+boost::asio::awaitable<std::optional<std::string>> Recording::read(std::string name, std::uint64_t offset) {
+  std::optional<std::string> piece = co_await reader_.read(std::move(name), offset);
+  if (!piece && !reader_.is_stopped()) {
+    recorder_.look_again();
+  }
+  co_return piece;
 }
 
 std::unique_ptr<Recording> make_recording(const boost::asio::any_io_executor& executor, process::Plant& plant,

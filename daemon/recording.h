@@ -2,7 +2,10 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "bridges/process/plant.h"
@@ -25,8 +28,12 @@ class Recording {
   [[nodiscard]] recorder::Recorder& recorder() noexcept { return recorder_; }
   /// What HTTP shows of it. It outlives `site`.
   void show_in(http::Site& site);
+  /// Nobody who reads a file keeps the end of the gateway waiting. Before HTTP is stopped.
+  void stop_reading() { reader_.stop(); }
 
  private:
+  [[nodiscard]] boost::asio::awaitable<std::optional<std::string>> read(std::string name, std::uint64_t offset);
+
   std::vector<canopen::Bus*> buses_;
   recorder::Recorder recorder_;
   recorder::RecordReader reader_;

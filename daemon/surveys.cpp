@@ -1,7 +1,9 @@
 #include "daemon/surveys.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -43,10 +45,14 @@ std::unique_ptr<BusSurvey> make_survey(const boost::asio::any_io_executor& execu
       executor, bus,
       BusSurvey::Handlers{
           .known = [&plant, &troubles, index] { return known_of(plant, index, troubles); },
-          .began = [name](const canopen::Suspicion& began) { spdlog::warn("{}: suspicion: {}", name, began.text()); },
+          .began =
+              [name](const canopen::Suspicion& began, const std::optional<canopen::Suspicion>& displaced) {
+                spdlog::warn("{}: suspicion: {}{}", name, began.text(),
+                             displaced ? fmt::format(" (before: {})", describe(displaced->kind)) : "");
+              },
           .ended =
               [name](const canopen::Suspicion& ended) {
-                spdlog::info("{}: no sign any more of the suspicion that {}", name, describe(ended.kind));
+                spdlog::info("{}: no longer suspected: {}", name, describe(ended.kind));
               }});
   for (const config::Drive& drive : plant.model().drives) {
     if (drive.bus == index && drive.enabled) {

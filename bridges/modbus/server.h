@@ -23,7 +23,7 @@ class Server final : public process::Observer {
  public:
   /// `plant` and `settings` outlive the server. Whoever creates it adds it to the plant's observers before the plant
   /// starts. Throws std::runtime_error for address ranges that are none.
-  Server(boost::asio::any_io_executor executor, process::Plant& plant, const config::Modbus& settings,
+  Server(const boost::asio::any_io_executor& executor, process::Plant& plant, const config::Modbus& settings,
          net::Notices notices = {});
   /// After stop(), or after the loop has ended.
   ~Server() = default;

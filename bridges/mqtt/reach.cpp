@@ -23,6 +23,7 @@ constexpr int kLevel4 = 4;
 // What there is no version of (MQTT 5 §3.1.2.2).
 constexpr int kLevelOfNobody = 127;
 constexpr auto kConnack = static_cast<char>(0x20);
+constexpr auto kDisconnect = static_cast<char>(0xE0);
 constexpr std::size_t kConnackCode = 3;  // Its place, as long as the packet is shorter than 128 bytes.
 
 void append_text(std::string& packet, std::string_view text) {
@@ -100,19 +101,54 @@ std::string why_not(const Answer& answer) {
   return answer.closed ? "it closes the connection before it answers" : "no answer";
 }
 
+Manner manner_of(const Answer& answer) {
+  if (!answer.mistake.empty()) {
+    return Manner::unknown;
+  }
+  if (answer.words.empty()) {
+    return answer.closed ? Manner::closes : Manner::unknown;
+  }
+  switch (answer.words.front()) {
+    case kConnack:
+      return Manner::connack;
+    case kDisconnect:
+      return Manner::closes;
+    default:
+      return Manner::foreign;
+  }
+}
+
 }  // namespace
 
 Reach reaches(const config::Endpoint& broker, const std::vector<std::string>& addresses, const TlsFiles& files,
               milliseconds patience) {
   const Answer answer =
       ask_broker(broker, addresses, files, {.words = connect_packet(kLevelOfNobody, {}, {}, {})}, patience);
-  const bool lives = answer.mistake.empty() && (answer.closed || !answer.words.empty());
-  return {.good = lives, .why = lives ? std::string() : why_not(answer)};
+  const Manner manner = manner_of(answer);
+  if (manner == Manner::foreign) {
+    return {.why = "what answers there is no MQTT broker", .manner = manner};
+  }
+  const bool lives = manner != Manner::unknown;
+  return {.good = lives, .why = lives ? std::string() : why_not(answer), .manner = manner};
+}
+
+bool speaks_tls(const config::Endpoint& broker, const std::vector<std::string>& addresses, milliseconds patience) {
+  // ClientHello of TLS 1.2 without extensions (RFC 5246 §7.4.1.2): version, random, session id, two cipher suites, no
+  // compression. In its record (§6.2.1).
+  constexpr std::size_t kRandom = 32;
+  const std::string body = std::string("\x03\x03") + std::string(kRandom, 'r') + std::string(1, '\0') +
+                           std::string("\x00\x04\xC0\x2F\xC0\x2B\x01\x00", 8);
+  const std::string hello = std::string("\x01\x00\x00", 3) + static_cast<char>(body.size()) + body;
+  const std::string record = std::string("\x16\x03\x01\x00", 4) + static_cast<char>(hello.size()) + hello;
+  const Answer answer = ask_plain(broker, addresses, {.words = record}, patience);
+  constexpr char kAlert = 0x15;
+  constexpr char kHandshake = 0x16;
+  return !answer.words.empty() && (answer.words.front() == kAlert || answer.words.front() == kHandshake);
 }
 
 Reach takes_us(const config::Endpoint& broker, const std::vector<std::string>& addresses, const ClientSettings& client,
                int version, milliseconds patience) {
-  const std::string goodbye{static_cast<char>(0xE0), 0};  // DISCONNECT
+  const std::string goodbye{kDisconnect, 0};
   std::string why;
   for (const int level : {kLevel5, kLevel4}) {
     if (version != 0 && version != level) {

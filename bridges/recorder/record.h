@@ -13,11 +13,19 @@
 
 namespace recorder {
 
-/// An alarm that began while the record was made, as it last was.
+/// An alarm that began while the record was made.
 struct RecordedAlarm {
+  static constexpr std::size_t kMostErrors = 100;
+
   std::string drive;                        ///< Empty: of the bus.
   std::optional<alarms::AlarmKind> kind{};  ///< Of a drive.
+  /// As it began, with every error that came until the end. `first` stays where the fault is over or became a warning
+  /// of the same activation; it goes only where another fault turns out to have come before.
   alarms::Alarm alarm;
+  alarms::Alarm at_end;  ///< As it last was.
+
+  /// It is like this now; an alarm of the same id.
+  void change(alarms::Alarm now);
 };
 
 /// All that is written of one record. It is its own: another thread may have it.
@@ -27,7 +35,7 @@ struct Record {
   RecordName name;
   std::size_t bus_index = 0;
   std::string bus;
-  std::string interface;
+  std::string interface;                   ///< As logs name it: config::log_interface().
   std::optional<std::uint32_t> bitrate{};  ///< As the configuration says.
   std::string drive{};                     ///< Whose fault it is of; empty: of the bus.
   std::string requested_by{};              ///< The user; empty: a fault.

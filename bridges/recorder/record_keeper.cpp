@@ -26,22 +26,28 @@ void RecordKeeper::post(Record record) {
   // The first of a bus is under way, or tried again; a second may wait, and that is all the memory they get.
   const auto of_bus = std::ranges::count_if(
       waiting_, [&record](const Waiting& waiting) { return waiting.record->bus_index == record.bus_index; });
-  waiting_.push_back({std::make_shared<const Record>(std::move(record)), Clock::now()});
+  std::string stem = to_text(record.name);
+  waiting_.push_back({std::make_shared<const Record>(std::move(record)), std::move(stem), Clock::now()});
   if (of_bus >= 2) {
     give_up(std::prev(waiting_.end()), "those before it are not on the disk yet");
   }
   on_time();
 }
 
-bool RecordKeeper::knows(const std::string& stem) const {
-  const auto waits = [&stem](const Waiting& waiting) { return to_text(waiting.record->name) == stem; };
-  const auto is_there = [&stem](const StoredRecord& record) { return record.stem() == stem; };
-  return std::ranges::any_of(waiting_, waits) || (records_ && std::ranges::any_of(records_->all(), is_there));
+void RecordKeeper::look() {
+  look_ = !stopping_;
+  on_time();
+}
+
+// Asked for every alarm that names a record, after each write: no text is made, and no list is walked.
+bool RecordKeeper::knows(std::string_view stem) const {
+  const auto waits = [stem](const Waiting& waiting) { return waiting.stem == stem; };
+  return std::ranges::any_of(waiting_, waits) || (records_ && records_->find(stem) != nullptr);
 }
 
 void RecordKeeper::give_up(std::deque<Waiting>::iterator record, const std::string& why) {
   ++lost_;
-  told_("record " + to_text(record->record->name) + " is lost: " + why);
+  told_("record " + record->stem + " is lost: " + why);
   waiting_.erase(record);
 }
 
@@ -90,21 +96,10 @@ void RecordKeeper::on_written(Written& written) {
   const canopen::TimePoint now = Clock::now();
   records_ = std::move(written.records);
   const bool was_record = std::exchange(writing_, false);
-  if (!written.failure) {
-    retry_.reset();
-    trouble_.is_over("records are kept again in " + directory_.string());
-    if (was_record) {
-      const std::shared_ptr<const Record> record = waiting_.front().record;
-      waiting_.pop_front();
-      handlers_.kept(*record);
-    }
+  if (written.failure) {
+    note_failure(*written.failure, was_record, now);
   } else {
-    trouble_.stands(*written.failure + "; records are not kept meanwhile", now);
-    retry_ = now + kTryAgain;
-    if (was_record && (stopping_ || now - waiting_.front().since >= kGiveUp)) {
-      give_up(waiting_.begin(), *written.failure);
-    }
-    look_ = waiting_.empty();
+    note_success(was_record);
   }
   handlers_.changed();
   progress_.notify();
@@ -113,6 +108,29 @@ void RecordKeeper::on_written(Written& written) {
     look_ = false;
   }
   on_time();
+}
+
+void RecordKeeper::note_success(bool was_record) {
+  retry_.reset();
+  refuses_records_ = refuses_records_ && !was_record;
+  if (!refuses_records_) {
+    trouble_.is_over("records are kept again in " + directory_.string());
+  }
+  if (was_record) {
+    const std::shared_ptr<const Record> record = waiting_.front().record;
+    waiting_.pop_front();
+    handlers_.kept(*record);
+  }
+}
+
+void RecordKeeper::note_failure(const std::string& why, bool was_record, canopen::TimePoint now) {
+  refuses_records_ = refuses_records_ || (was_record && records_);
+  trouble_.stands(why + "; records are not kept meanwhile", now);
+  retry_ = now + kTryAgain;
+  if (was_record && (stopping_ || now - waiting_.front().since >= kGiveUp)) {
+    give_up(waiting_.begin(), why);
+  }
+  look_ = waiting_.empty();
 }
 
 boost::asio::awaitable<void> RecordKeeper::stop() {

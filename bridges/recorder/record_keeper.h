@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "bridges/disk/trouble.h"
 #include "bridges/disk/worker.h"
@@ -43,13 +44,15 @@ class RecordKeeper {
   /// Looks at what there is, and begins to write.
   void start(Handlers handlers);
   void post(Record record);
+  /// Somebody found that a record is gone: looks at what there is, soon.
+  void look();
   /// Returns when all is on the disk, at the latest after a second.
   boost::asio::awaitable<void> stop();
 
   /// As of the last look; nothing before the first, and while the directory cannot be used.
   [[nodiscard]] const std::optional<StoredRecords>& records() const noexcept { return records_; }
   /// A record of that name waits, or is on the disk.
-  [[nodiscard]] bool knows(const std::string& stem) const;
+  [[nodiscard]] bool knows(std::string_view stem) const;
   [[nodiscard]] std::filesystem::path directory() const { return directory_; }
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
 
@@ -61,6 +64,7 @@ class RecordKeeper {
  private:
   struct Waiting {
     std::shared_ptr<const Record> record;  ///< With the job under way, which may outlive us.
+    std::string stem;
     canopen::TimePoint since;
   };
   struct Written {
@@ -72,6 +76,8 @@ class RecordKeeper {
   void tell_if_slow(canopen::TimePoint now);
   void begin(canopen::TimePoint now);
   void on_written(Written& written);
+  void note_success(bool was_record);
+  void note_failure(const std::string& why, bool was_record, canopen::TimePoint now);
   void give_up(std::deque<Waiting>::iterator record, const std::string& why);
 
   std::shared_ptr<RecordStore> store_;  ///< Likewise.
@@ -89,6 +95,9 @@ class RecordKeeper {
   bool writing_ = false;
   bool look_ = false;  ///< At what there is, where nothing is to be written.
   bool stopping_ = false;
+  /// A record could not be written where the directory could be used: that the directory can be looked at, which takes
+  /// no room, does not end it.
+  bool refuses_records_ = false;
   std::uint64_t lost_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -19,12 +20,22 @@ namespace recorder {
 /// read at a time, whoever waits first has the next.
 class RecordReader {
  public:
-  static constexpr std::size_t kPiece = 128UL * 1024;
+  /// Small, since so much waits for each client at once.
+  static constexpr std::size_t kPiece = 32UL * 1024;
   /// How long one piece may take, the waiting for others included.
   static constexpr canopen::Duration kPatience = std::chrono::seconds(5);
 
+  /// At most kPiece bytes of a file from an offset on; nothing where it cannot be read. Called in the thread.
+  using ReadPiece = std::function<std::optional<std::string>(const std::filesystem::path& path, std::uint64_t offset)>;
+  [[nodiscard]] static std::optional<std::string> read_piece(const std::filesystem::path& path, std::uint64_t offset);
+
   /// `directory`: where the records are.
-  RecordReader(const boost::asio::any_io_executor& executor, std::filesystem::path directory);
+  RecordReader(const boost::asio::any_io_executor& executor, std::filesystem::path directory,
+               ReadPiece read_piece = &RecordReader::read_piece);
+
+  /// Whoever waits gets nothing, at once, and nobody waits any more: an orderly end waits for no disk.
+  void stop();
+  [[nodiscard]] bool is_stopped() const noexcept { return stopped_; }
 
   /// kPiece bytes from `offset` on, fewer at the end of the file. `name`: of a file that is known to be a record's.
   /// Nothing where it cannot be read, or not in time. The reader outlives it.
@@ -32,6 +43,8 @@ class RecordReader {
 
  private:
   std::filesystem::path directory_;
+  ReadPiece read_piece_;
+  bool stopped_ = false;
   canopen::Event freed_;
   disk::Worker worker_;
 };

@@ -16,11 +16,6 @@
 namespace recorder {
 namespace {
 
-// Beside the log there is room for its JSON.
-constexpr std::uint64_t share_of_log(std::uint64_t keep) {
-  return keep / 2;
-}
-
 Failure make_directory(const std::filesystem::path& path) {
   return mkdir(path.c_str(), 0750) == 0 || errno == EEXIST ? std::nullopt
                                                            : Failure(failed("cannot make " + path.string()));
@@ -72,11 +67,26 @@ RecordStore::RecordStore(std::filesystem::path state_directory, std::uint64_t ke
       calls_(std::move(calls)) {}
 
 Failure RecordStore::open() {
-  if (lock_ && !is_another_directory()) {
-    return std::nullopt;
+  Failure failure = use_directory();
+  return failure ? failure : make_room(0);
+}
+
+Failure RecordStore::use_directory() {
+  if (!lock_ || is_another_directory()) {
+    lock_.reset();
+    records_ = {};
+    if (Failure failure = take_directory()) {
+      return failure;
+    }
   }
-  lock_.reset();
-  records_ = {};
+  Failure failure = look();
+  if (failure) {
+    lock_.reset();
+  }
+  return failure;
+}
+
+Failure RecordStore::take_directory() {
   for (const std::filesystem::path& path : {state_directory_, directory_}) {
     if (Failure failure = make_directory(path)) {
       return failure;
@@ -91,11 +101,7 @@ Failure RecordStore::open() {
                                 : failed("cannot lock " + directory_.string());
   }
   lock_ = std::move(directory);
-  Failure failure = look();
-  if (failure) {
-    lock_.reset();
-  }
-  return failure;
+  return std::nullopt;
 }
 
 // Somebody moved or removed it: what is locked is not what the path names.
@@ -106,19 +112,27 @@ bool RecordStore::is_another_directory() const {
          locked.st_ino != named.st_ino;
 }
 
+// Somebody may have removed some of them, to gain room, say: before each record it is seen what there is.
 Failure RecordStore::look() {
   Failure failure;
-  for (const std::string& file : files_in(lock_.get(), failure)) {
+  const std::vector<std::string> files = files_in(lock_.get(), failure);
+  if (failure) {
+    return failure;
+  }
+  const StoredRecords before = std::exchange(records_, {});
+  for (const std::string& file : files) {
     if (is_leftover(file)) {
       unlinkat(lock_.get(), file.c_str(), 0);
     } else if (file.ends_with(kLogSuffix)) {
-      look_at(file);
+      look_at(file, before);
+    } else if (file.ends_with(kJsonSuffix)) {
+      remove_lonely(file);
     }
   }
-  return failure;
+  return std::nullopt;
 }
 
-void RecordStore::look_at(const std::string& file) {
+void RecordStore::look_at(const std::string& file, const StoredRecords& before) {
   const std::string stem = file.substr(0, file.size() - kLogSuffix.size());
   const auto name = parse_record_name(stem);
   const auto log_size = size_of(lock_.get(), file);
@@ -129,9 +143,24 @@ void RecordStore::look_at(const std::string& file) {
   const std::string json_name = stem + std::string(kJsonSuffix);
   if (const auto json_size = size_of(lock_.get(), json_name)) {
     record.json_size = *json_size;
-    record.summary = parse_summary(read_json(json_name)).value_or(RecordSummary{});
+    const StoredRecord* const known = before.find(stem);
+    record.summary = known != nullptr && known->json_size == *json_size
+                         ? known->summary
+                         : parse_summary(read_json(json_name)).value_or(RecordSummary{});
   }
   records_.add(std::move(record));
+}
+
+// Who removed the log removed the record; nobody would find the rest of it again.
+void RecordStore::remove_lonely(const std::string& json) const {
+  const std::string stem = json.substr(0, json.size() - kJsonSuffix.size());
+  struct stat facts{};
+  const bool has_no_log =
+      fstatat(lock_.get(), (stem + std::string(kLogSuffix)).c_str(), &facts, AT_SYMLINK_NOFOLLOW) != 0 &&
+      errno == ENOENT;
+  if (has_no_log && parse_record_name(stem) && size_of(lock_.get(), json) && parse_summary(read_json(json))) {
+    unlinkat(lock_.get(), json.c_str(), 0);
+  }
 }
 
 std::string RecordStore::read_json(const std::string& name) const {
@@ -152,35 +181,64 @@ std::string RecordStore::read_json(const std::string& name) const {
 }
 
 Failure RecordStore::write(const Record& record) {
-  if (Failure failure = open()) {
+  if (Failure failure = use_directory()) {
     return failure;
   }
+  const std::uint64_t most = most_bytes(record);
+  if (Failure failure = make_space(most)) {
+    return failure;
+  }
+  bool full = false;
+  Failure failure = write_files(record, full);
+  const std::string stem = to_text(record.name);
+  // A quota, say, of which the file system tells nothing. Once for a record: where others fill the disk it is of no use
+  // that one record after another goes.
+  if (full && room_made_for_ != stem && !records_.all().empty()) {
+    room_made_for_ = stem;
+    Failure kept = remove_bytes(most);
+    failure = kept ? kept : write_files(record, full);
+  }
+  return failure;
+}
+
+Failure RecordStore::write_files(const Record& record, bool& full) {
   const std::string stem = to_text(record.name);
   WholeFile log(lock_.get(), stem + std::string(kLogSuffix), calls_);
   WholeFile beside(lock_.get(), stem + std::string(kJsonSuffix), calls_);
   LogFigures figures;
-  if (Failure failure = write_log(record, log, figures)) {
-    return failure;
+  Failure failure = write_log(record, log, figures);
+  if (!failure) {
+    failure = write_all(record_json(record, figures), beside);
   }
-  if (Failure failure = write_all(record_json(record, figures), beside)) {
-    return failure;
+  if (!failure) {
+    failure = name_files(record, figures, log, beside);
   }
-  make_room(log.size() + beside.size());
+  full = log.met_full_disk() || beside.met_full_disk();
+  return failure;
+}
+
+Failure RecordStore::name_files(const Record& record, const LogFigures& figures, WholeFile& log, WholeFile& beside) {
   // A JSON never stands alone: who removes one later has the log to find it by.
   if (Failure failure = log.name()) {
     return failure;
   }
   if (Failure failure = beside.name()) {
-    unlinkat(lock_.get(), (stem + std::string(kLogSuffix)).c_str(), 0);
+    unlinkat(lock_.get(), (to_text(record.name) + std::string(kLogSuffix)).c_str(), 0);
     return failure;
   }
+  Failure failure;
+  if (calls_.sync(lock_.get()) != 0) {
+    failure = failed("cannot bring the names in " + directory_.string() + " to the disk");
+  }
+  // Only now, since a new one that did not come to be is no reason for an old one to go. One that cannot be removed
+  // stays listed, and is no reason to lose the new one.
+  records_.remove(to_text(record.name));
+  static_cast<void>(make_room(log.size() + beside.size()));
   records_.add({.name = record.name,
                 .log_size = log.size(),
                 .json_size = beside.size(),
                 .summary = {record.bus, record.drive, record.first(), figures.frames, record.commands.size()}});
-  return calls_.sync(lock_.get()) == 0
-             ? std::nullopt
-             : Failure(failed("cannot bring the names in " + directory_.string() + " to the disk"));
+  return failure;
 }
 
 Failure RecordStore::write_log(const Record& record, WholeFile& file, LogFigures& figures) const {
@@ -199,7 +257,7 @@ Failure RecordStore::write_log(const Record& record, WholeFile& file, LogFigures
     }
     line.clear();
     append_candump(line, record.interface, frame);
-    if (file.size() + line.size() > share_of_log(keep_)) {
+    if (file.size() + line.size() > share_of_log()) {
       figures.shortened = true;
       return;
     }
@@ -208,16 +266,6 @@ Failure RecordStore::write_log(const Record& record, WholeFile& file, LogFigures
     failure = file.append(line);
   });
   return failure ? failure : file.sync();
-}
-
-void RecordStore::make_room(std::uint64_t more) {
-  while (const StoredRecord* const old = records_.in_the_way(more, keep_)) {
-    const std::string stem = old->stem();
-    // The log goes last: as long as it is there it is found again, and counted.
-    unlinkat(lock_.get(), (stem + std::string(kJsonSuffix)).c_str(), 0);
-    unlinkat(lock_.get(), (stem + std::string(kLogSuffix)).c_str(), 0);
-    records_.remove(stem);
-  }
 }
 
 }  // namespace recorder

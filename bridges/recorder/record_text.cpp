@@ -25,6 +25,7 @@ void append_recorded_alarm(std::string& out, const RecordedAlarm& one) {
   }
   object.text("kind", one.kind ? alarms::name_of(*one.kind) : "bus");
   object.key("alarm") += alarms::alarm_json(one.alarm);
+  object.key("at_end") += alarms::alarm_json(one.at_end);
   object.close();
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string_view>
 #include <utility>
 
 #include "bridges/text/timestamp.h"
+#include "config/log_interface.h"
 
 namespace recorder {
 
@@ -53,13 +55,13 @@ void Recorder::on_command_done(const process::Drive& drive, const process::Comma
 void Recorder::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
   const alarms::Alarm& alarm = drive.alarm(kind);
   const bool is_begin = begins(alarm, drives_[drive.index()].at(static_cast<std::size_t>(kind)));
-  note(drive.model().bus, {drive.model().name, kind, alarm}, is_begin);
+  note(drive.model().bus, {drive.model().name, kind, alarm, alarm}, is_begin);
 }
 
 void Recorder::on_bus_alarm(std::size_t bus) {
   const alarms::Alarm& alarm = plant_.bus_alarm(bus);
   const bool is_begin = begins(alarm, lines_[bus]->alarm);
-  note(bus, {{}, std::nullopt, alarm}, is_begin);
+  note(bus, {{}, std::nullopt, alarm, alarm}, is_begin);
 }
 
 bool Recorder::begins(const alarms::Alarm& alarm, Activation& before) const {
@@ -69,26 +71,31 @@ bool Recorder::begins(const alarms::Alarm& alarm, Activation& before) const {
   return begins;
 }
 
-void Recorder::note(std::size_t bus, RecordedAlarm alarm, bool is_begin) {
+void Recorder::note(std::size_t bus, RecordedAlarm now, bool is_begin) {
   std::optional<UnderWay>& under_way = lines_[bus]->under_way;
+  // It waits for frames of before its end only: those of this fault are behind. The next one has both.
+  if (under_way && is_begin && Clock::now() > under_way->until) {
+    finish(bus, {});
+  }
   if (under_way) {
     std::vector<RecordedAlarm>& known = under_way->record.alarms;
-    const auto same = std::ranges::find(known, alarm.alarm.id, [](const RecordedAlarm& one) { return one.alarm.id; });
+    const auto is_same = [&now](const RecordedAlarm& one) { return one.alarm.id == now.alarm.id; };
+    const auto same = std::ranges::find_if(known, is_same);
     if (same != known.end()) {
-      *same = std::move(alarm);
+      same->change(std::move(now.at_end));
     } else if (is_begin && known.size() >= Record::kMostAlarms) {
       ++under_way->record.alarms_left_out;
     } else if (is_begin) {
-      known.push_back(std::move(alarm));
+      known.push_back(std::move(now));
     }
     return;
   }
-  const std::string subject = alarm.kind ? alarm.drive : plant_.model().buses[bus].name;
-  if (is_begin && is_allowed(alarm.kind ? "drive " + subject : "bus " + subject, false)) {
+  const std::string subject = now.kind ? now.drive : plant_.model().buses[bus].name;
+  if (is_begin && is_allowed(now.kind ? "drive " + subject : "bus " + subject, false)) {
     UnderWay& begun =
-        begin(bus, {canopen::wall_now(), subject, std::string(alarm.kind ? alarms::name_of(*alarm.kind) : "bus")});
-    begun.record.drive = alarm.drive;
-    begun.record.alarms.push_back(std::move(alarm));
+        begin(bus, {canopen::wall_now(), subject, std::string(now.kind ? alarms::name_of(*now.kind) : "bus")});
+    begun.record.drive = now.drive;
+    begun.record.alarms.push_back(std::move(now));
   }
 }
 
@@ -126,7 +133,7 @@ Recorder::UnderWay& Recorder::begin(std::size_t bus, RecordName name) {
   begun.record = {.name = std::move(name),
                   .bus_index = bus,
                   .bus = model.name,
-                  .interface = model.interface,
+                  .interface = std::string(config::log_interface(model)),
                   .bitrate = model.bitrate,
                   .from = canopen::wall_now() - settings_.before,
                   .until = canopen::wall_now() + settings_.after};
@@ -147,7 +154,8 @@ canopen::Result<Recorder::Requested> Recorder::request(std::size_t bus, const st
   }
   const std::string& subject = drive.empty() ? plant_.model().buses[bus].name : drive;
   if (!started_) {
-    return canopen::Error{.kind = canopen::ErrorKind::offline, .detail = "the gateway ends"};
+    return canopen::Error{.kind = canopen::ErrorKind::offline,
+                          .detail = "nothing is recorded while the gateway starts or ends"};
   }
   if (!is_allowed((drive.empty() ? "bus " : "drive ") + subject, true)) {
     return canopen::Error{.kind = canopen::ErrorKind::forbidden,
@@ -206,7 +214,7 @@ void Recorder::forget_removed() {
   if (!keeper_.records()) {
     return;  // Nobody knows what there is.
   }
-  const auto is_gone = [this](const std::string& name) {
+  const auto is_gone = [this](std::string_view name) {
     return !name.empty() &&
            (!name.ends_with(kLogSuffix) || !keeper_.knows(name.substr(0, name.size() - kLogSuffix.size())));
   };

@@ -57,6 +57,8 @@ class Recorder final : public process::Observer {
   /// Somebody wants a record now: of a drive, or of a whole bus. `user`: who. `refused` where there were too many.
   [[nodiscard]] canopen::Result<Requested> request(std::size_t bus, const std::string& drive, const std::string& user);
 
+  /// Somebody found that a record is gone.
+  void look_again() { keeper_.look(); }
   [[nodiscard]] const RecordKeeper& keeper() const noexcept { return keeper_; }
 
   void on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) override {}
@@ -94,7 +96,7 @@ class Recorder final : public process::Observer {
 
   /// It changed, and a fault of it begins now.
   [[nodiscard]] bool begins(const alarms::Alarm& alarm, Activation& before) const;
-  void note(std::size_t bus, RecordedAlarm alarm, bool is_begin);
+  void note(std::size_t bus, RecordedAlarm now, bool is_begin);
   [[nodiscard]] bool is_allowed(const std::string& subject, bool requested);
   UnderWay& begin(std::size_t bus, RecordName name);
   void on_end(std::size_t bus);

@@ -14,18 +14,21 @@ std::uint64_t StoredRecords::size() const noexcept {
 }
 
 void StoredRecords::add(StoredRecord record) {
-  const std::string stem = record.stem();
-  remove(stem);
-  const auto place = std::ranges::find_if(records_, [&stem](const StoredRecord& other) { return other.stem() > stem; });
+  record.stem = to_text(record.name);
+  remove(record.stem);
+  const auto place = std::ranges::lower_bound(records_, record.stem, {}, &StoredRecord::stem);
   records_.insert(place, std::move(record));
 }
 
-void StoredRecords::remove(const std::string& stem) {
-  std::erase_if(records_, [&stem](const StoredRecord& record) { return record.stem() == stem; });
+void StoredRecords::remove(std::string_view stem) {
+  if (const StoredRecord* const record = find(stem)) {
+    records_.erase(records_.begin() + (record - records_.data()));
+  }
 }
 
 const StoredRecord* StoredRecords::in_the_way(std::uint64_t more, std::uint64_t keep) const {
-  if (records_.empty() || (size() + more <= keep && records_.size() < kMost)) {
+  const std::size_t count = records_.size() + (more > 0 ? 1U : 0U);
+  if (records_.empty() || (size() + more <= keep && count <= kMost)) {
     return nullptr;
   }
   const auto usual = std::ranges::find_if(records_, [](const StoredRecord& record) { return !record.summary.first; });

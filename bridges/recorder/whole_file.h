@@ -16,9 +16,18 @@ namespace recorder {
 /// The calls that a disk can hang in or refuse: like write(2), fsync(2) and renameat(2) within one directory, errno
 /// included. Tests have their own.
 struct DiskCalls {
+  /// Of a file system, in bytes.
+  struct Space {
+    std::uint64_t all = 0;
+    std::uint64_t left = 0;  ///< For us.
+  };
   std::function<ssize_t(int descriptor, const char* bytes, std::size_t size)> write;
   std::function<int(int descriptor)> sync;
   std::function<int(int directory, const char* from, const char* to)> rename;
+  /// Like unlinkat(2) of a file.
+  std::function<int(int directory, const char* name)> remove;
+  /// Of the file system of that directory; nothing where it does not tell.
+  std::function<std::optional<Space>(int directory)> space;
   static DiskCalls real();
 };
 
@@ -46,9 +55,13 @@ class WholeFile {
   /// After sync(). For that to last the directory is to be synced.
   [[nodiscard]] Failure name();
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
+  /// What failed did so for want of room on the disk.
+  [[nodiscard]] bool met_full_disk() const noexcept { return met_full_disk_; }
 
  private:
   [[nodiscard]] Failure flush();
+  /// failed(), and what for is remembered.
+  [[nodiscard]] Failure fail(const std::string& what);
 
   int directory_;
   std::string name_;
@@ -58,6 +71,7 @@ class WholeFile {
   std::string waiting_;
   std::uint64_t size_ = 0;
   bool named_ = false;
+  bool met_full_disk_ = false;
 };
 
 }  // namespace recorder

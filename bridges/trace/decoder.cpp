@@ -111,7 +111,9 @@ void Decoder::take_error_control(Entry& entry) noexcept {
   entry.kind = Kind::heartbeat;
   belongs_to(entry, entry.frame.id & kNodeMask);
   bool& asked = asked_.at(entry.node);
-  entry.guarded = !entry.frame.remote && asked;
+  // No state of an answer is 0 (CiA 301 §7.2.8.3.2): a drive that was away begins again, though it is still asked.
+  const bool is_boot_up = entry.frame.size > 0 && entry.frame.data[0] == 0;
+  entry.guarded = !entry.frame.remote && !is_boot_up && asked;
   asked = entry.frame.remote;
 }
 

@@ -74,7 +74,7 @@ struct Entry {
   std::optional<std::uint16_t> mapping{};  ///< Position in the drive's tpdos or rpdos; nothing: not in its profile.
   bool guarded = false;                    ///< The answer to a guarding request.
   SdoPart sdo{};
-  std::uint32_t lost = 0;  ///< >0: no frame; so many were lost here, between driver and gateway.
+  std::uint32_t lost = 0;  ///< >0: no frame; so many at least were lost on the way here.
 };
 
 }  // namespace trace

@@ -25,7 +25,12 @@ class Feed::Tap final : public canopen::FrameTap {
 
 Feed::Feed(const config::Model& model, std::vector<canopen::Bus*> buses) : model_(model), buses_(std::move(buses)) {}
 
-Feed::~Feed() = default;
+// Where the program is unwound, the readers' coroutines go with the loop, which is after us.
+Feed::~Feed() {
+  for (Reader* const reader : readers_) {
+    reader->feed_ = nullptr;
+  }
+}
 
 void Feed::begin() {
   entries_.resize(kKept);
@@ -41,43 +46,41 @@ void Feed::end() {
 }
 
 void Feed::push(const Entry& entry) {
-  const std::uint64_t overtaken = oldest();
-  if (next_ >= kKept) {
-    for (Reader* const reader : readers_) {
-      if (reader->next_ == overtaken) {
-        reader->lost_ += passes(model_, reader->filter_, at(overtaken)) ? 1U : 0U;
-        ++reader->next_;
-      }
-    }
-  }
   at(next_) = entry;
   ++next_;
 }
 
-Feed::Reader::Reader(Feed& feed, Filter filter) : feed_(feed), filter_(std::move(filter)), next_(feed.next_) {
-  if (feed_.readers_.empty()) {
-    feed_.begin();
+Feed::Reader::Reader(Feed& feed, Filter filter)
+    : feed_(&feed), model_(feed.model_), filter_(std::move(filter)), next_(feed.next_) {
+  if (feed.readers_.empty()) {
+    feed.begin();
   }
-  feed_.readers_.push_back(this);
+  feed.readers_.push_back(this);
 }
 
 Feed::Reader::~Reader() {
-  feed_.readers_.remove(this);
-  if (feed_.readers_.empty()) {
-    feed_.end();
+  if (feed_ == nullptr) {
+    return;
+  }
+  feed_->readers_.remove(this);
+  if (feed_->readers_.empty()) {
+    feed_->end();
   }
 }
 
-const Entry* Feed::Reader::next() {
-  for (; next_ < feed_.next_; ++next_) {
-    if (const Entry& entry = feed_.at(next_); passes(feed_.model_, filter_, entry)) {
-      return &entry;
-    }
+void Feed::Reader::catch_up() noexcept {
+  if (feed_ != nullptr && next_ < feed_->oldest()) {
+    lost_ += feed_->oldest() - next_;
+    next_ = feed_->oldest();
   }
-  return nullptr;
+}
+
+const Entry* Feed::Reader::next() noexcept {
+  return feed_ != nullptr && next_ < feed_->next_ ? &feed_->at(next_) : nullptr;
 }
 
 std::uint64_t Feed::Reader::take_lost() noexcept {
+  catch_up();
   return std::exchange(lost_, 0);
 }
 

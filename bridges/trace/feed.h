@@ -16,7 +16,7 @@ namespace trace {
 
 /// The newest frames of all buses, taken apart, for any number of readers who each take them at their own pace. While
 /// nobody reads it does nothing and keeps nothing. A reader that does not keep up loses the oldest ones, counted;
-/// nobody waits for him.
+/// nobody waits for him, and a frame costs the same however many there are.
 class Feed {
  public:
   /// Frames that are kept: of a full bus of 1 Mbit/s half a second.
@@ -28,36 +28,51 @@ class Feed {
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
 
-  /// One who reads, from the next frame on. Goes before the feed.
+  /// One who reads, from the next frame on. Once the feed is gone there is nothing more.
   class Reader {
    public:
+    /// Frames that one take() looks at, whether they pass or not: some microseconds.
+    static constexpr std::size_t kMostLooked = 256;
+
     Reader(Feed& feed, Filter filter);
     ~Reader();
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
 
-    /// Hands the next frame that passes to `show`, and further ones, `most` at most. False: there are no more by now.
+    /// Hands the next frame that passes to `show`, and further ones, `most` at most. True: there are more to look at.
     template <class Show>
     bool take(std::size_t most, Show show) {
-      while (const Entry* const entry = next()) {
-        if (most-- == 0) {
-          return true;
+      catch_up();
+      for (std::size_t looked = 0; looked < kMostLooked; ++looked) {
+        const Entry* const entry = next();
+        if (entry == nullptr) {
+          return false;
         }
-        show(*entry);
+        if (passes(model_, filter_, *entry)) {
+          if (most == 0) {
+            return true;
+          }
+          --most;
+          show(*entry);
+        }
         ++next_;
       }
-      return false;
+      return next() != nullptr;
     }
-    /// Frames that passed and were overtaken before they were taken, since this was asked last.
+    /// Frames that were overtaken before they were looked at, since this was asked last. So many of those that would
+    /// have passed are missing at most: nobody looks at them any more.
     [[nodiscard]] std::uint64_t take_lost() noexcept;
-    [[nodiscard]] const config::Model& model() const noexcept { return feed_.model_; }
+    [[nodiscard]] const config::Model& model() const noexcept { return model_; }
 
    private:
     friend class Feed;
-    /// The next frame that passes; null: there is none yet.
-    [[nodiscard]] const Entry* next();
+    /// Passes over what was overtaken.
+    void catch_up() noexcept;
+    /// The next frame; null: there is none yet.
+    [[nodiscard]] const Entry* next() noexcept;
 
-    Feed& feed_;
+    Feed* feed_;  ///< Null: it is gone.
+    const config::Model& model_;
     Filter filter_;
     std::uint64_t next_;
     std::uint64_t lost_ = 0;

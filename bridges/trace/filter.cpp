@@ -90,9 +90,21 @@ std::optional<Error> take_cob_ids(std::string_view cob_ids, Filter& filter) {
     if (failed != std::errc{} || end != digits.data() + digits.size() || id > canopen::kMaxCobId) {
       return unknown("COB-ID", text, "0x000 to 0x" + canopen::hex(canopen::kMaxCobId, 3));
     }
-    filter.cob_ids.push_back(id);
+    if (!filter.cob_ids) {
+      filter.cob_ids.emplace();
+    }
+    filter.cob_ids->set(id);
   }
   return std::nullopt;
+}
+
+bool has_kind(const Filter& filter, const Entry& entry) {
+  return (filter.kinds >> static_cast<unsigned>(entry.kind) & 1U) != 0;
+}
+
+bool has_cob_id(const Filter& filter, const Entry& entry) {
+  return !filter.cob_ids || (!entry.frame.error && !entry.frame.extended && entry.frame.id <= canopen::kMaxCobId &&
+                             filter.cob_ids->test(entry.frame.id));
 }
 
 bool is_of_drive(const config::Model& model, const Filter& filter, const Entry& entry) {
@@ -127,15 +139,10 @@ Result<Filter> make_filter(const config::Model& model, const FilterWords& words)
 }
 
 bool passes(const config::Model& model, const Filter& filter, const Entry& entry) {
-  const bool is_of_place =
-      filter.drives.empty() || (entry.bus && filter.buses.at(*entry.bus)) || is_of_drive(model, filter, entry);
-  if (entry.lost > 0) {
-    return is_of_place;
+  if (entry.lost == 0 && (!has_kind(filter, entry) || !has_cob_id(filter, entry))) {
+    return false;
   }
-  const bool has_id =
-      filter.cob_ids.empty() || (!entry.frame.error && !entry.frame.extended &&
-                                 std::ranges::find(filter.cob_ids, entry.frame.id) != filter.cob_ids.end());
-  return (filter.kinds >> static_cast<unsigned>(entry.kind) & 1U) != 0 && has_id && is_of_place;
+  return filter.drives.empty() || (entry.bus && filter.buses.at(*entry.bus)) || is_of_drive(model, filter, entry);
 }
 
 }  // namespace trace

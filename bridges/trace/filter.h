@@ -1,11 +1,14 @@
 #pragma once
 
+#include <bitset>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "bridges/trace/entry.h"
+#include "canopen/cob_id.h"
 #include "canopen/error.h"
 #include "config/model.h"
 
@@ -21,10 +24,10 @@ struct FilterWords {
 /// Which frames somebody wants to see: of one of the drives or buses, and of one of the kinds, and with one of the
 /// COB-IDs.
 struct Filter {
-  std::vector<bool> drives{};  ///< By position; empty: all of them.
-  std::vector<bool> buses{};   ///< Likewise.
-  std::uint8_t kinds = 0xFF;   ///< A bit for each Kind.
-  std::vector<std::uint32_t> cob_ids{};
+  std::vector<bool> drives{};                                    ///< By position; empty: all of them.
+  std::vector<bool> buses{};                                     ///< Likewise.
+  std::uint8_t kinds = 0xFF;                                     ///< A bit for each Kind.
+  std::optional<std::bitset<canopen::kMaxCobId + 1>> cob_ids{};  ///< Nothing: all of them.
 };
 
 /// `unknown` names what there is not, and what there is.

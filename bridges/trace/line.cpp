@@ -37,10 +37,6 @@ void append_column(std::string& text, std::string_view cell, std::size_t width) 
 
 }  // namespace
 
-std::string_view log_interface(const config::Bus& bus) noexcept {
-  return bus.interface == config::kVirtualInterface ? bus.name : bus.interface;
-}
-
 Line line_of(const config::Model& model, const Entry& entry, std::string_view interface) {
   return {.time = precise_time(entry.at),
           .bus = entry.bus ? model.buses.at(*entry.bus).name : std::string(interface),

@@ -31,7 +31,4 @@ void append_members(text::ObjectText& object, const Line& line);
 /// stands the COB-ID, before it `>` for a frame of our own, `!` for what was never on the bus.
 [[nodiscard]] std::string terminal_line(const Line& line);
 
-/// The name of the bus in a candump log: its interface, which for in-process buses is their name.
-[[nodiscard]] std::string_view log_interface(const config::Bus& bus) noexcept;
-
 }  // namespace trace

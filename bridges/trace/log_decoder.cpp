@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "bridges/trace/line.h"
+#include "config/log_interface.h"
 
 namespace trace {
 namespace {
@@ -15,11 +16,18 @@ constexpr std::size_t kMostComplaints = 20;
 // Of interfaces, which the log names as it likes: more than a machine has.
 constexpr std::size_t kMostInterfaces = 64;
 
+// What logs have before how people call it. All in-process buses have one interface: it tells none of them.
 std::optional<std::size_t> bus_of(const config::Model& model, std::string_view interface) {
-  for (std::size_t i = 0; i < model.buses.size(); ++i) {
-    if (model.buses[i].interface == interface || model.buses[i].name == interface) {
-      return i;
-    }
+  const auto position_of = [&](auto name_of_bus) -> std::optional<std::size_t> {
+    const auto found = std::ranges::find(model.buses, interface, name_of_bus);
+    return found == model.buses.end() ? std::nullopt
+                                      : std::optional(static_cast<std::size_t>(found - model.buses.begin()));
+  };
+  if (const auto logged = position_of(config::log_interface)) {
+    return logged;
+  }
+  if (const auto named = position_of(&config::Bus::name)) {
+    return named;
   }
   return model.buses.size() == 1 ? std::optional<std::size_t>(0) : std::nullopt;
 }

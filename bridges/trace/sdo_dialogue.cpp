@@ -73,9 +73,27 @@ void SdoDialogue::keep(std::uint32_t position, Bytes data) noexcept {
   }
 }
 
+// CiA 301 §7.2.4.3.4 and §7.2.4.3.7: the toggle bit is 0 in the first segment, and changes with each.
+bool SdoDialogue::comes_next(Bytes frame) noexcept {
+  const bool toggle = canopen::toggle_of(frame[0]);
+  const std::size_t size = std::min(frame.size(), segment_.size());
+  if (toggle == toggle_) {
+    toggle_ = !toggle;
+    std::copy_n(frame.begin(), size, segment_.begin());
+    return true;
+  }
+  if (!std::equal(segment_.begin(), segment_.begin() + static_cast<std::ptrdiff_t>(size), frame.begin())) {
+    *this = {};
+  }
+  return false;
+}
+
 // CiA 301 §7.2.4.3.4 and §7.2.4.3.7: both directions have the same form.
 SdoPart SdoDialogue::segment(SdoStep step, Bytes frame) noexcept {
   const bool fits = mode_ == (step == SdoStep::write_segment ? Mode::download : Mode::upload);
+  if (fits && !comes_next(frame)) {
+    return {};
+  }
   SdoPart told = part(step);
   told.knows_object = fits;
   const std::size_t unused = frame[0] >> 1U & 7U;

@@ -33,16 +33,20 @@ class SdoDialogue {
   [[nodiscard]] SdoPart upload_answer(std::span<const std::uint8_t> frame) noexcept;
   [[nodiscard]] SdoPart block_upload_request(std::span<const std::uint8_t> frame) noexcept;
   [[nodiscard]] SdoPart block_download_answer(std::span<const std::uint8_t> frame) noexcept;
+  /// False: it comes again, or one before it is missing, which ends what is under way.
+  [[nodiscard]] bool comes_next(std::span<const std::uint8_t> frame) noexcept;
   void keep(std::uint32_t position, std::span<const std::uint8_t> data) noexcept;
 
   Mode mode_ = Mode::none;
   bool segments_ = false;       ///< Of a block: they are on their way.
   bool last_ = false;           ///< The last segment of the value was seen.
+  bool toggle_ = false;         ///< Of the next segment.
   std::uint8_t newest_ = 0;     ///< Segment of the block.
   std::uint32_t moved_ = 0;     ///< Bytes.
   std::uint32_t block_at_ = 0;  ///< Bytes before this block.
   canopen::ObjectAddress object_{};
   std::array<std::uint8_t, SdoPart::kKept> data_{};
+  std::array<std::uint8_t, 8> segment_{};  ///< The newest one.
 };
 
 }  // namespace trace

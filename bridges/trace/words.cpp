@@ -47,7 +47,7 @@ std::string error_control_words(const Entry& entry) {
   }
   const unsigned toggle = bytes[0] >> 7U;
   const unsigned number = bytes[0] & 0x7FU;
-  if (number == 0 && toggle == 0 && !entry.guarded) {
+  if (number == 0 && toggle == 0) {
     return "boot-up";
   }
   const auto state = static_cast<canopen::NmtState>(number);
@@ -73,8 +73,9 @@ std::string sync_words(const Frame& frame) {
 }
 
 std::string lost_words(const Entry& entry) {
-  return std::to_string(entry.lost) +
-         " frames were lost before this one: the kernel's buffer ran over, since they were not read in time";
+  // Who lost them is not known here, and a controller that ran over does not say how many it lost.
+  return "at least " + std::to_string(entry.lost) + (entry.lost == 1 ? " frame was" : " frames were") +
+         " lost here, in the controller or between it and the gateway";
 }
 
 }  // namespace

@@ -11,6 +11,24 @@ void BurstMeter::set_bitrate(std::uint32_t bitrate) noexcept {
   constexpr std::int64_t kBitsBetween = std::int64_t{wire_bits(8, Stuffing::worst)} * 5 / 4;
   longest_gap_ = bitrate == 0 ? Duration::zero() : Duration(kBitsBetween * 1'000'000'000 / bitrate);
   count_ = 0;
+  first_ = last_ = {};
+}
+
+void BurstMeter::settle(TimePoint now, std::uint32_t hour) noexcept {
+  // Frames that were not read yet may go on with it.
+  constexpr Duration kLongOver = std::chrono::seconds(1);
+  if (now - last_ > longest_gap_ + kLongOver) {
+    end(hour);
+  }
+}
+
+void BurstMeter::end(std::uint32_t hour) noexcept {
+  if (count_ > 0) {
+    frames_.add(count_, hour);
+    times_.add(to_units(last_ - first_), hour);
+  }
+  count_ = 0;
+  first_ = last_ = {};
 }
 
 void BurstMeter::hear(const Moment& moment) noexcept {
@@ -20,10 +38,7 @@ void BurstMeter::hear(const Moment& moment) noexcept {
   if (count_ > 0 && moment.at - last_ <= longest_gap_ && unbroken_ == moment.unbroken) {
     ++count_;
   } else {
-    if (count_ > 0) {
-      frames_.add(count_, moment.hour);
-      times_.add(to_units(last_ - first_), moment.hour);
-    }
+    end(moment.hour);
     count_ = 1;
     first_ = moment.at;
     unbroken_ = moment.unbroken;

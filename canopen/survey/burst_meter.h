@@ -21,10 +21,14 @@ class BurstMeter {
   /// Zero: not known, and there are no bursts.
   void set_bitrate(std::uint32_t bitrate) noexcept;
   void hear(const Moment& moment) noexcept;
+  /// Now and then: one that is long over belongs to this hour, and no longer goes on.
+  void settle(TimePoint now, std::uint32_t hour) noexcept;
   /// The one that goes on is among them. Nothing without a bit rate, or where no frame came.
   [[nodiscard]] std::optional<Burst> of_day(std::uint32_t hour) const noexcept;
 
  private:
+  void end(std::uint32_t hour) noexcept;
+
   Duration longest_gap_{};
   TimePoint first_{};
   TimePoint last_{};

@@ -13,6 +13,8 @@ namespace {
 
 constexpr Duration kStep = std::chrono::seconds(1);
 constexpr Duration kMinute = std::chrono::minutes(1);
+// A look each second, and one that comes late.
+constexpr Duration kAgeTold = std::chrono::seconds(3);
 constexpr std::uint32_t kNodeMask = 0x7F;
 
 // Nothing of the kind: long before anything that is asked for.
@@ -41,6 +43,17 @@ const NodeHealth* worst_node(const BusHealth& health) noexcept {
   return worst;
 }
 
+std::string suspicion_text(const BusHealth& health) {
+  if (!health.suspicion) {
+    return {};
+  }
+  if (health.suspicion_age < kAgeTold) {
+    return health.suspicion->text();
+  }
+  const auto age = std::chrono::floor<std::chrono::seconds>(health.suspicion_age).count();
+  return health.suspicion->text(", seen until " + std::to_string(age) + " s ago");
+}
+
 BusSurvey::BusSurvey(const boost::asio::any_io_executor& executor, Bus& bus, Handlers handlers)
     : bus_(bus), handlers_(std::move(handlers)), hour_(hour_of(Clock::now())), timer_(executor, [this] { look(); }) {
   forget_disturbances();
@@ -52,6 +65,7 @@ BusSurvey::BusSurvey(const boost::asio::any_io_executor& executor, Bus& bus, Han
 }
 
 void BusSurvey::start() {
+  second_began_ = Clock::now();
   timer_.arm(Clock::now() + kStep);
 }
 
@@ -77,8 +91,8 @@ void BusSurvey::on_frame(const Received& received, FrameOrigin origin) {
   const auto node = static_cast<std::uint8_t>(frame.id & kNodeMask);
   switch (frame.id & ~kNodeMask) {
     case kErrorControlBase:
-      if (!ours) {
-        nodes_.hear_error_control(node, frame, moment);
+      if (!ours && nodes_.hear_error_control(node, frame, moment)) {
+        periods_.break_node(node);
       }
       break;
     case kSdoRequestBase:
@@ -104,20 +118,33 @@ void BusSurvey::on_state(const BusState& state) {
     ++unbroken_;
   }
   if (before.condition == BusCondition::down) {
+    saw_it_come_up_ = saw_it_go_down_;
     heard_ = false;
     forget_disturbances();
+  }
+  if (state.condition == BusCondition::down && before.condition != BusCondition::down) {
+    saw_it_go_down_ = true;
+    if (const std::optional<Suspicion> ended = suspicion_.drop(); ended && handlers_.ended) {
+      handlers_.ended(*ended);
+    }
   }
   if (state.condition == BusCondition::bus_off && before.condition != BusCondition::bus_off) {
     put_first(bus_offs_, now);
   }
-  const bool was_well = before.condition == BusCondition::error_active;
-  if (was_well && state.condition != BusCondition::error_active && state.condition != BusCondition::down) {
-    put_first(excursions_, now);
+  const bool well = state.condition == BusCondition::error_active;
+  if (well && unwell_since_) {
+    put_first(excursions_, *unwell_since_);
+  }
+  if (well || state.condition == BusCondition::down) {
+    unwell_since_.reset();
+  } else if (before.condition == BusCondition::error_active) {
+    unwell_since_ = now;
   }
 }
 
 void BusSurvey::forget_disturbances() noexcept {
   traffic_ = {};
+  unwell_since_.reset();
   excursions_.fill(kNotYet);
   bus_offs_.fill(kNotYet);
 }
@@ -126,17 +153,35 @@ void BusSurvey::look() {
   const TimePoint now = Clock::now();
   hour_ = hour_of(now);
   const Known known = handlers_.known();
-  nodes_.set_served(known.served);
+  set_served(known.served);
+  bursts_.settle(now, hour_);
   keep_figures();
+  if (known.troubles.transmit == TransmitTrouble::not_acknowledged) {
+    // Drives without power take the controller away from error-active too (ISO 11898-1), and no wire is bad.
+    unwell_since_.reset();
+  }
   const SuspicionHold::Change change = suspicion_.look(judge(signs(known)), now, wall_now());
-  traffic_.next_second();
+  // By time and not by looks: a process that was stopped looks once for all of it.
+  const auto passed = (now - second_began_) / kStep;
+  second_began_ += passed * kStep;
+  traffic_.pass(static_cast<std::size_t>(passed));
   if (change.ended && handlers_.ended) {
     handlers_.ended(*change.ended);
   }
   if (change.began && handlers_.began) {
-    handlers_.began(*change.began);
+    handlers_.began(*change.began, change.displaced);
   }
   timer_.arm(now + kStep);
+}
+
+void BusSurvey::set_served(const NodeSet& served) {
+  const NodeSet lost = std::exchange(served_, served) & ~served;
+  for (std::size_t node = 1; lost.any() && node < lost.size(); ++node) {
+    if (lost[node]) {
+      periods_.break_node(static_cast<std::uint8_t>(node));
+    }
+  }
+  nodes_.set_served(served);
 }
 
 void BusSurvey::keep_figures() {
@@ -161,6 +206,7 @@ Signs BusSurvey::signs(const Known& known) const {
           .lately = traffic_.of_last(Signs::kLately),
           .minute = traffic_.of_last(RecentTraffic::kSeconds),
           .heard_before = heard_,
+          .saw_it_come_up = saw_it_come_up_,
           .bus_offs = static_cast<std::uint32_t>(std::count_if(
               bus_offs_.begin(), bus_offs_.end(), [now](TimePoint at) { return is_within(at, now, kMinute); })),
           .excursions = is_within(excursions_.back(), now, kExcursionsWithin),
@@ -186,6 +232,7 @@ std::string BusSurvey::busiest() const {
 BusHealth BusSurvey::health() const {
   return {.suspicion = suspicion(),
           .suspected_since = suspicion_.since(),
+          .suspicion_age = Clock::now() - suspicion_.shown(),
           .load = load_.of_day(hour_),
           .transmit_errors = transmit_errors_.of_day(hour_),
           .receive_errors = receive_errors_.of_day(hour_),

@@ -35,8 +35,9 @@ class BusSurvey final : private FrameTap {
   };
   struct Handlers {
     std::function<Known()> known;  ///< Asked each second.
-    std::function<void(const Suspicion&)> began{};
-    std::function<void(const Suspicion&)> ended{};
+    /// `displaced`: in whose place.
+    std::function<void(const Suspicion& began, const std::optional<Suspicion>& displaced)> began{};
+    std::function<void(const Suspicion&)> ended{};  ///< No sign of it any more, or the interface is down.
   };
 
   /// `bus` outlives the survey, and calls it from before start() on.
@@ -66,6 +67,7 @@ class BusSurvey final : private FrameTap {
   void forget_disturbances() noexcept;
   /// Each second.
   void look();
+  void set_served(const NodeSet& served);
   void keep_figures();
   [[nodiscard]] Signs signs(const Known& known) const;
   [[nodiscard]] std::string busiest() const;
@@ -76,16 +78,22 @@ class BusSurvey final : private FrameTap {
   NodeTable nodes_;
   BurstMeter bursts_;
   RecentTraffic traffic_;
+  TimePoint second_began_{};  ///< The current one of `traffic_`.
   DayExtremes load_;
   DayExtremes transmit_errors_;
   DayExtremes receive_errors_;
   DayExtremes errors_;
   SuspicionHold suspicion_;
   BusState state_;
+  NodeSet served_;
   std::uint32_t hour_;
   std::uint32_t unbroken_ = 1;
-  bool heard_ = false;                             ///< Since the interface came up.
+  bool heard_ = false;  ///< Since the interface came up, or the gateway opened it.
+  bool saw_it_go_down_ = false;
+  bool saw_it_come_up_ = false;
   std::array<TimePoint, kExcursions> excursions_;  ///< When the controller left error-active, newest first.
+  /// It left error-active then and is not back, and no missing acknowledgement explains that.
+  std::optional<TimePoint> unwell_since_;
   std::array<TimePoint, 2> bus_offs_;
   WakeUp timer_;
   std::vector<Subscription> subscriptions_;

@@ -5,7 +5,8 @@
 namespace canopen {
 namespace {
 
-constexpr std::uint8_t kSdoAbort = 0x80;  // A segment of a block has a number beside that bit.
+constexpr std::uint8_t kToldStateMask = 0x7F;  // Beside the toggle bit of guarding.
+constexpr std::uint8_t kSdoAbort = 0x80;       // A segment of a block has a number beside that bit.
 
 }  // namespace
 
@@ -17,15 +18,19 @@ std::optional<double> NodeHealth::margin(const std::optional<Duration>& gap) con
   return std::max(0.0, 1.0 - used);
 }
 
-void NodeTable::hear_error_control(std::uint8_t node, const Frame& frame, const Moment& moment) noexcept {
+bool NodeTable::hear_error_control(std::uint8_t node, const Frame& frame, const Moment& moment) noexcept {
   Record& record = nodes_[node];
   const bool boot_up = frame.size > 0 && frame.data[0] == 0;
+  const auto state = static_cast<std::uint8_t>(frame.data[0] & kToldStateMask);
+  const bool changed = boot_up || state != record.state;
   if (record.gap_counts && !boot_up && record.unbroken == moment.unbroken) {
     record.gaps.add(to_units(moment.at - record.last), moment.hour);
   }
   record.last = moment.at;
   record.unbroken = moment.unbroken;
   record.gap_counts = !boot_up && served_[node];
+  record.state = state;
+  return changed;
 }
 
 void NodeTable::hear_request(std::uint8_t node, const Frame& frame, bool ours, const Moment& moment) noexcept {

@@ -43,8 +43,9 @@ class NodeTable {
   /// Those that are online: of the others a gap is no sign.
   void set_served(const NodeSet& served) noexcept { served_ = served; }
 
-  /// COB-ID 0x700 + node. A boot-up ends the node's life and no gap.
-  void hear_error_control(std::uint8_t node, const Frame& frame, const Moment& moment) noexcept;
+  /// COB-ID 0x700 + node. A boot-up ends the node's life and no gap. True: it booted, or is in another state than
+  /// before.
+  bool hear_error_control(std::uint8_t node, const Frame& frame, const Moment& moment) noexcept;
   void hear_request(std::uint8_t node, const Frame& frame, bool ours, const Moment& moment) noexcept;
   void hear_answer(std::uint8_t node, const Moment& moment) noexcept;
 
@@ -58,6 +59,7 @@ class NodeTable {
     TimePoint last{};            ///< Of its heartbeats.
     std::uint32_t unbroken = 0;  ///< Of the last one.
     bool gap_counts = false;     ///< It was served then.
+    std::uint8_t state = 0;      ///< That the last one told; 0: it booted.
     bool asked = false;          ///< A request of ours waits for its answer.
     std::uint32_t asked_unbroken = 0;
     TimePoint asked_at{};

@@ -25,15 +25,16 @@ void PeriodTable::hear(std::uint32_t cob_id, const Moment& moment) {
     return;
   }
   std::unique_ptr<Record>& record = records_[cob_id];
+  const std::uint32_t unbroken = moment.unbroken + breaks_[cob_id & kNodeMask];
   if (!record) {
     record = std::make_unique<Record>();
-  } else if (record->unbroken == moment.unbroken) {
+  } else if (record->unbroken == unbroken) {
     const Duration period = moment.at - record->last;
     record->periods.add(period);
     record->worst.add(to_units(period), moment.hour);
   }
   record->last = moment.at;
-  record->unbroken = moment.unbroken;
+  record->unbroken = unbroken;
 }
 
 std::vector<PeriodHealth> PeriodTable::of_day(std::uint32_t hour) const {

@@ -2,9 +2,11 @@
 
 namespace canopen {
 
-void RecentTraffic::next_second() noexcept {
-  current_ = (current_ + 1) % seconds_.size();
-  seconds_[current_] = {};
+void RecentTraffic::pass(std::size_t seconds) noexcept {
+  for (std::size_t i = 0; i < seconds && i < seconds_.size(); ++i) {
+    current_ = (current_ + 1) % seconds_.size();
+    seconds_[current_] = {};
+  }
 }
 
 RecentTraffic::Sum RecentTraffic::of_last(std::size_t seconds) const noexcept {

@@ -20,8 +20,8 @@ class RecentTraffic {
 
   void add_error(const ErrorCounts& counts) noexcept { seconds_[current_].errors += counts; }
   void add_received() noexcept { ++seconds_[current_].received; }
-  /// A second is over.
-  void next_second() noexcept;
+  /// So many seconds are over.
+  void pass(std::size_t seconds) noexcept;
   /// Of the last `seconds`, at most kSeconds, and of the current one.
   [[nodiscard]] Sum of_last(std::size_t seconds) const noexcept;
 

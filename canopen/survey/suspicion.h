@@ -36,9 +36,11 @@ struct Signs {
   BusTroubles troubles{};
   RecentTraffic::Sum lately{};  ///< Of the last kLately seconds.
   RecentTraffic::Sum minute{};  ///< Of the last minute.
-  bool heard_before = false;    ///< A frame of others since the interface came up.
+  bool heard_before = false;    ///< A frame of others since the interface came up, or the gateway opened it.
+  bool saw_it_come_up = false;  ///< Else it may have been up, and frames received, before the gateway opened it.
   std::uint32_t bus_offs = 0;   ///< In the last minute.
-  /// The controller left error-active three times in kExcursionsWithin.
+  /// The controller left error-active kExcursions times in kExcursionsWithin and came back, each time with nobody
+  /// missing who would have acknowledged.
   bool excursions = false;
   std::uint16_t load_per_mille = 0;
   std::uint32_t bitrate = 0;  ///< bit/s; 0: not known.
@@ -48,7 +50,7 @@ struct Signs {
   static constexpr std::size_t kLately = 10;
 };
 
-/// So many times within that time a controller leaves error-active on no sound bus.
+/// So many times within that time it is more than a plug that was moved, or a drive that was switched.
 inline constexpr std::size_t kExcursions = 3;
 inline constexpr Duration kExcursionsWithin = std::chrono::minutes(10);
 
@@ -57,8 +59,8 @@ struct Suspicion {
   std::string seen;  ///< What was seen.
   std::string look;  ///< What to look at first, and then.
 
-  /// All of it as sentences.
-  [[nodiscard]] std::string text() const;
+  /// All of it as sentences. `age`: stands behind what is suspected.
+  [[nodiscard]] std::string text(std::string_view age = {}) const;
   friend bool operator==(const Suspicion&, const Suspicion&) = default;
 };
 

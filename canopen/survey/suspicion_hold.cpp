@@ -3,6 +3,13 @@
 #include <utility>
 
 namespace canopen {
+namespace {
+
+bool is_lately(const std::optional<TimePoint>& at, TimePoint now) noexcept {
+  return at && now - *at < SuspicionHold::kForget;
+}
+
+}  // namespace
 
 SuspicionHold::Change SuspicionHold::look(std::optional<Suspicion> judged, TimePoint now, WallTime wall) {
   Change change;
@@ -13,19 +20,38 @@ SuspicionHold::Change SuspicionHold::look(std::optional<Suspicion> judged, TimeP
     return change;
   }
   if (judged && may_begin(*judged, now)) {
-    change.ended = std::exchange(standing_, std::move(judged));
-    change.began = standing_;
-    shown_ = now;
-    since_ = wall;
-    candidate_.reset();
-    return change;
+    return begin(std::move(*judged), now, wall);
   }
   if (!judged) {
     candidate_.reset();
   }
   if (standing_ && now - shown_ >= (standing_->kind == SuspicionKind::wiring ? kForgetWiring : kForget)) {
-    change.ended = std::exchange(standing_, std::nullopt);
+    change.ended = drop();
   }
+  return change;
+}
+
+std::optional<Suspicion> SuspicionHold::drop() noexcept {
+  candidate_.reset();
+  before_ = {};
+  return std::exchange(standing_, std::nullopt);
+}
+
+SuspicionHold::Change SuspicionHold::begin(Suspicion judged, TimePoint now, WallTime wall) {
+  if (standing_) {
+    before(standing_->kind).shown = shown_;
+    before(standing_->kind).since = since_;
+  }
+  Before& same = before(judged.kind);
+  since_ = is_lately(same.shown, now) ? same.since : wall;
+  shown_ = now;
+  candidate_.reset();
+  Change change{.displaced = std::exchange(standing_, std::move(judged))};
+  if (is_lately(same.told, now)) {
+    return {};
+  }
+  same.told = now;
+  change.began = standing_;
   return change;
 }
 

@@ -58,8 +58,8 @@ std::string_view describe(SuspicionKind kind) noexcept {
   return "the bus may be overloaded";
 }
 
-std::string Suspicion::text() const {
-  return std::string(describe(kind)) + ": " + seen + ". Look first at " + look;
+std::string Suspicion::text(std::string_view age) const {
+  return std::string(describe(kind)).append(age) + ": " + seen + ". Look first at " + look;
 }
 
 Suspicion suspect_doubled_id(const Signs& signs) {
@@ -83,14 +83,19 @@ Suspicion suspect_alone(const Signs& signs) {
 }
 
 Suspicion suspect_bit_rate(const Signs& signs) {
-  std::string seen = "no frame was received since the interface came up; " + controller(signs.state);
+  std::string seen = std::string("no frame was received since ") +
+                     (signs.saw_it_come_up ? "the interface came up" : "the gateway opened the interface") + "; " +
+                     controller(signs.state);
   append(seen, in_last_minute(signs.minute.errors));
-  append(seen, signs.bus_offs == 0 ? "" : number(signs.bus_offs) + " times bus-off in the last minute");
+  append(seen, signs.bus_offs == 0 ? "" : "bus-off in the last minute");
   const std::string ours =
       signs.bitrate == 0 ? "the bit rate of the interface" : "the bit rate, here " + number(signs.bitrate) + " bit/s";
-  return {.kind = SuspicionKind::bit_rate,
-          .seen = std::move(seen),
-          .look = ours + ", and that of each drive; then at CAN_H and CAN_L that are swapped or touch each other"};
+  return {
+      .kind = SuspicionKind::bit_rate,
+      .seen = std::move(seen),
+      .look = ours +
+              ", and that of each drive; then at CAN_H and CAN_L that are swapped or touch each other, and where the "
+              "bus worked before at its cable, plugs and terminators"};
 }
 
 Suspicion suspect_wiring(const Signs& signs) {

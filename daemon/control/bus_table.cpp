@@ -16,9 +16,9 @@ namespace json = boost::json;
 using Row = std::vector<std::string>;
 
 const json::value& of(const json::object& object, std::string_view name) {
-  static const json::value kNothing;
+  static const json::value nothing;
   const json::value* const found = object.if_contains(json::string_view(name.data(), name.size()));
-  return found == nullptr ? kNothing : *found;
+  return found == nullptr ? nothing : *found;
 }
 
 std::optional<double> number_of(const json::object& object, std::string_view name) {

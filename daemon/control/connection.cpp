@@ -137,7 +137,7 @@ void Connection::send_lines(std::string_view lines) {
   if (!socket_.is_open() || lines.empty()) {
     return;
   }
-  if (waiting_.size() + leaving_ + lines.size() > kMaxWaiting) {
+  if (waiting_.size() + leaving_ + lines.size() > kMaxWaiting + piece_) {
     close();
     return;
   }

@@ -24,6 +24,8 @@ class Connection {
   static constexpr std::size_t kMaxWaiting = 1024UL * 1024;
   /// A stream is told nothing further while as much waits: what comes meanwhile, it loses.
   static constexpr std::size_t kMaxStreamWaiting = 64UL * 1024;
+  /// Bytes of a stream's id as it stands in the lines: it is in each of them.
+  static constexpr std::size_t kMaxStreamId = 64;
 
   /// `service` and `share` outlive it. `user` is what SO_PEERCRED said of the client.
   Connection(boost::asio::local::stream_protocol::socket socket, std::string user, const Service& service,
@@ -70,8 +72,9 @@ class Connection {
   bool writing_ = false;
   std::size_t under_way_ = 0;  ///< Requests.
   http::LoopShare& share_;
-  canopen::Timer turn_;   ///< Of the stream.
-  bool streams_ = false;  ///< One runs.
+  canopen::Timer turn_;    ///< Of the stream.
+  bool streams_ = false;   ///< One runs.
+  std::size_t piece_ = 0;  ///< Bytes of its newest one, which may wait beside `kMaxWaiting`.
   bool ending_ = false;
   net::Tasks tasks_;  ///< All that runs but serve().
   canopen::TimePoint active_;

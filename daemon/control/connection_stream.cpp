@@ -6,6 +6,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/system/error_code.hpp>
+#include <string>
 #include <utility>
 
 #include "daemon/control/answer.h"
@@ -22,6 +23,12 @@ void Connection::begin_stream(const Line& line) {
   if (streams_ || !service_.open_stream) {
     send(refusal(line.id, {.kind = canopen::ErrorKind::forbidden,
                            .detail = "a connection has one stream at a time; ask on another one"}));
+    return;
+  }
+  if (line.id.size() > kMaxStreamId) {
+    send(refusal(line.id, {.kind = canopen::ErrorKind::type,
+                           .detail = "the \"id\" of a stream, which is in each of its lines, is longer than " +
+                                     std::to_string(kMaxStreamId) + " bytes"}));
     return;
   }
   canopen::Result<std::unique_ptr<Stream>> opened = service_.open_stream(line.request.value(), line.id);
@@ -65,6 +72,8 @@ awaitable<bool> Connection::tell_piece(Stream& stream) {
   const bool more = stream.take(lines);
   share_.note(begin, canopen::Clock::now());
   share_.leave(turn_);
+  // However long: of a large plant the status alone is more than may wait of answers.
+  piece_ = lines.size();
   send_lines(lines);
   co_return more;
 }

@@ -50,11 +50,12 @@ void show_line(std::string_view line) {
   }
   // Not among the frames: what reads them from a pipe takes nothing else.
   if (const std::int64_t lost = member_count(*members, "lost"); lost > 0) {
-    complain(std::to_string(lost) + " frames are not shown here: they came faster than they were taken");
+    complain("up to " + std::to_string(lost) + " frames are not shown here: they came faster than they were taken");
     return;
   }
   if (const std::int64_t lost = member_count(*members, "lost_frames"); lost > 0) {
-    complain(member_text(*members, "bus") + ": the gateway itself lost " + std::to_string(lost) + " frames");
+    complain(member_text(*members, "bus") + ": at least " + std::to_string(lost) +
+             " frames were lost here, in the controller or between it and the gateway");
     return;
   }
   if (members->contains("raw")) {

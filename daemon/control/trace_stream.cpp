@@ -5,6 +5,7 @@
 #include "bridges/text/json_text.h"
 #include "bridges/trace/candump.h"
 #include "bridges/trace/line.h"
+#include "config/log_interface.h"
 
 namespace gateway::control {
 
@@ -31,7 +32,7 @@ void TraceStream::append(std::string& lines, const trace::Entry& entry) const {
     object.text("bus", model.buses.at(entry.bus.value_or(0)).name);
   } else if (raw_) {
     const config::Bus& bus = model.buses.at(entry.bus.value_or(0));
-    object.text("raw", trace::candump_line(entry.at, trace::log_interface(bus), entry.frame));
+    object.text("raw", trace::candump_line(entry.at, config::log_interface(bus), entry.frame));
   } else {
     trace::append_members(object, trace::line_of(model, entry));
   }

@@ -2,16 +2,17 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "daemon/commands.h"
-#include "daemon/control/exchange.h"
 #include "daemon/doctor/files.h"
 #include "daemon/doctor/hearing.h"
 #include "daemon/doctor/interface.h"
 #include "daemon/doctor/line.h"
 #include "daemon/doctor/machine.h"
 #include "daemon/doctor/network.h"
+#include "daemon/doctor/presence.h"
 #include "daemon/output.h"
 
 namespace gateway {
@@ -48,22 +49,9 @@ Line judge_configuration(const config::Loaded& loaded, const std::filesystem::pa
   return {Verdict::ok, "configuration", file.string()};
 }
 
-Line ask_gateway(const std::filesystem::path& socket, bool& runs) {
-  runs = false;
-  if (socket.empty()) {
-    return {Verdict::warning, "gateway", "`control` is empty: whether it runs was not asked",
-            "without a control socket `status`, `set` and `stop` of this program do not work either"};
-  }
-  const control::Exchanged answer = control::exchange(socket, R"({"id":1,"op":"status"})", kPatience);
-  if (!answer.problem.empty()) {
-    return {Verdict::warning, "gateway", "it does not answer: " + answer.problem.substr(0, answer.problem.find(';')),
-            "`systemctl status canopen-gateway`, `journalctl -u canopen-gateway`; as another user run this as root"};
-  }
-  runs = true;
-  return {Verdict::ok, "gateway", "it runs and answers; `canopen-gateway status` shows its drives"};
-}
-
-void look_at_buses(Lines& lines, const config::Model& model, const doctor::Listened& listened) {
+// `listening`: nothing: as long as each bus needs.
+void look_at_buses(Lines& lines, const config::Model& model, std::optional<std::chrono::milliseconds> listening,
+                   doctor::Presence gateway) {
   for (std::size_t i = 0; i < model.buses.size(); ++i) {
     const config::Bus& bus = model.buses[i];
     const std::string subject = "bus " + bus.name;
@@ -76,6 +64,7 @@ void look_at_buses(Lines& lines, const config::Model& model, const doctor::Liste
     if (!facts.interface || !facts.is_can || !facts.interface->administratively_up) {
       continue;
     }
+    const doctor::Listened listened{.time = listening.value_or(doctor::listening_time(model, i)), .gateway = gateway};
     std::error_code failed;
     const doctor::Hearing hearing = doctor::listen(bus.interface, listened.time, failed);
     if (failed) {
@@ -87,8 +76,7 @@ void look_at_buses(Lines& lines, const config::Model& model, const doctor::Liste
   }
 }
 
-void look_at_network(Lines& lines, const config::Model& model, bool gateway_runs) {
-  const doctor::PortHolder holder{.gateway_runs = gateway_runs, .privileged = ::geteuid() == 0};
+void look_at_ports(Lines& lines, const config::Model& model, const doctor::PortHolder& holder, pid_t gateway) {
   std::vector<config::Endpoint> ports;
   if (model.modbus) {
     ports = model.modbus->listen;
@@ -97,29 +85,43 @@ void look_at_network(Lines& lines, const config::Model& model, bool gateway_runs
     ports.push_back(model.http->listen);
   }
   for (const config::Endpoint& listen : ports) {
-    lines.push_back(judge(listen, doctor::try_port(listen), holder));
+    lines.push_back(judge(listen, doctor::try_port(listen, gateway), holder));
   }
+}
+
+// `lacks_files`: as try_broker() has it.
+void look_at_brokers(Lines& lines, const config::Mqtt& mqtt, bool lacks_files) {
+  for (const config::Endpoint& broker : mqtt.brokers) {
+    lines.push_back(judge(broker, doctor::try_broker(mqtt, broker, lacks_files, kPatience)));
+  }
+}
+
+void look_at_plant(Lines& lines, const config::Model& model, const std::vector<doctor::Wanted>& files,
+                   std::optional<std::chrono::milliseconds> listening) {
+  const doctor::GatewayFacts gateway = doctor::ask_gateway(model.gateway.control, kPatience);
+  const doctor::Presence presence = presence_of(model.gateway.control, gateway);
+  lines.push_back(judge(model.gateway.control, gateway));
+  const doctor::FileFacts file_facts = try_files(files);
+  append(lines, judge(files, file_facts));
+  look_at_buses(lines, model, listening, presence);
+  look_at_ports(lines, model, {.gateway = presence, .privileged = ::geteuid() == 0}, gateway.process);
   if (model.mqtt) {
-    for (const config::Endpoint& broker : model.mqtt->brokers) {
-      lines.push_back(judge(broker, doctor::try_broker(*model.mqtt, broker, kPatience)));
-    }
+    look_at_brokers(
+        lines, *model.mqtt,
+        lacks_credential(files, file_facts, {model.mqtt->ca_file, model.mqtt->cert_file, model.mqtt->key_file}));
   }
 }
 
 }  // namespace
 
-int examine(const Options& options, std::chrono::milliseconds listening) {
+int examine(const Options& options, std::optional<std::chrono::milliseconds> listening) {
   const config::LoadOptions load = load_options(options);
   const config::Loaded loaded = config::load(load);
   Lines lines{judge_configuration(loaded, options.config)};
   append(lines, judge(doctor::look_at_machine()));
   if (loaded.model) {
-    bool gateway_runs = false;
-    lines.push_back(ask_gateway(loaded.model->gateway.control, gateway_runs));
-    const std::vector<doctor::Wanted> files = doctor::wanted_files(*loaded.model, options.config, load.profile_dirs);
-    append(lines, judge(files, try_files(files)));
-    look_at_buses(lines, *loaded.model, {.time = listening, .gateway_runs = gateway_runs});
-    look_at_network(lines, *loaded.model, gateway_runs);
+    look_at_plant(lines, *loaded.model, doctor::wanted_files(*loaded.model, options.config, load.profile_dirs),
+                  listening);
   }
   print(doctor::to_text(lines));
   return has_error(lines) ? kFailed : kDone;

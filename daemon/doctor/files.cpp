@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
@@ -23,6 +24,7 @@ using Use = Wanted::Use;
 int mode_of(Use use) noexcept {
   switch (use) {
     case Use::read:
+    case Use::secret:
       return R_OK;
     case Use::search:
       return R_OK | X_OK;
@@ -97,6 +99,12 @@ std::string remedy(const Wanted& wanted, int error, const std::string& user) {
                      path, wanted.use == Use::search ? "x" : "", path);
 }
 
+// One that is absent and has an absolute name is an error of the configuration, which is then not looked at any
+// further.
+bool may_be_credential(Use use, int error) noexcept {
+  return use == Use::secret && error == ENOENT;
+}
+
 void add_profiles(std::vector<Wanted>& wanted, const fs::path& directory) {
   std::error_code failed;
   if (!fs::is_directory(directory, failed)) {
@@ -125,7 +133,7 @@ std::vector<Wanted> wanted_files(const config::Model& model, const fs::path& con
     for (const std::string& file :
          {model.mqtt->password_file, model.mqtt->ca_file, model.mqtt->cert_file, model.mqtt->key_file}) {
       if (!file.empty()) {
-        wanted.push_back({file, Use::read});
+        wanted.push_back({file, Use::secret});
       }
     }
   }
@@ -141,6 +149,17 @@ FileFacts try_files(const std::vector<Wanted>& wanted) {
   return {.user = name, .is_service_user = name == kServiceUser, .errors = try_each(wanted)};
 }
 
+bool lacks_credential(const std::vector<Wanted>& wanted, const FileFacts& facts,
+                      const std::vector<std::string>& files) {
+  for (std::size_t i = 0; i < std::min(wanted.size(), facts.errors.size()); ++i) {
+    if (may_be_credential(wanted[i].use, facts.errors[i]) &&
+        std::ranges::find(files, wanted[i].path.string()) != files.end()) {
+      return true;
+    }
+  }
+  return false;
+}
+
 Lines judge(const std::vector<Wanted>& wanted, const FileFacts& facts) {
   Lines lines;
   if (facts.errors.size() != wanted.size()) {
@@ -149,7 +168,12 @@ Lines judge(const std::vector<Wanted>& wanted, const FileFacts& facts) {
   }
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const int error = facts.errors[i];
-    if (error != 0) {
+    if (may_be_credential(wanted[i].use, error)) {
+      lines.push_back({Verdict::warning, "file " + wanted[i].path.string(),
+                       "it is not beside the configuration; a credential of the service?",
+                       "`systemctl show -p LoadCredential,LoadCredentialEncrypted canopen-gateway` names those that it "
+                       "gets; else put it there"});
+    } else if (error != 0) {
       lines.push_back({Verdict::error, "file " + wanted[i].path.string(),
                        fmt::format("{} may not {} it: {}", facts.user, wanted[i].use == Use::keep ? "write to" : "read",
                                    std::generic_category().message(error)),

@@ -15,7 +15,8 @@ struct Wanted {
   enum class Use : std::uint8_t {
     read,
     search,  ///< A directory whose files are read.
-    keep     ///< A directory that files are written to.
+    keep,    ///< A directory that files are written to.
+    secret   ///< A file that systemd may hand over instead (LoadCredential=).
   };
   std::filesystem::path path;
   Use use = Use::read;
@@ -39,5 +40,8 @@ inline constexpr const char* kServiceUser = "canopen-gateway";
 /// its own takes that user's place for a moment.
 [[nodiscard]] FileFacts try_files(const std::vector<Wanted>& wanted);
 [[nodiscard]] Lines judge(const std::vector<Wanted>& wanted, const FileFacts& facts);
+/// One of `files` is not there, and may be a credential that only the service sees.
+[[nodiscard]] bool lacks_credential(const std::vector<Wanted>& wanted, const FileFacts& facts,
+                                    const std::vector<std::string>& files);
 
 }  // namespace gateway::doctor

@@ -5,6 +5,7 @@
 #include <net/if.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <memory>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "canopen/bus/socketcan/raw_socket.h"
 #include "canopen/bus/socketcan/receive_batch.h"
 #include "canopen/cob_id.h"
+#include "canopen/survey/error_counts.h"
 
 namespace gateway::doctor {
 namespace {
@@ -80,6 +82,20 @@ std::string what_a_master_did(const Hearing& hearing) {
   return fmt::format("{}", fmt::join(signs, ", "));
 }
 
+// Whose it is cannot be told: the gateway sends the same.
+void tell_of_others(Lines& lines, const config::Bus& bus, const Hearing& hearing) {
+  std::string heard = what_a_master_did(hearing);
+  if (bus.node_id != 0 && hearing.nodes.at(bus.node_id)) {
+    heard += fmt::format("{}node id {}", heard.empty() ? "" : ", ", bus.node_id);
+  }
+  if (!heard.empty()) {
+    lines.push_back({Verdict::warning, "bus " + bus.name,
+                     fmt::format("heard: {}; from the gateway or from somebody else, that is not known", heard),
+                     "look again while the gateway answers, or while it is stopped; its line above says why it is not "
+                     "known"});
+  }
+}
+
 void judge_others(Lines& lines, const config::Bus& bus, const Hearing& hearing) {
   const std::string subject = "bus " + bus.name;
   if (bus.node_id != 0 && hearing.nodes.at(bus.node_id)) {
@@ -96,7 +112,8 @@ void judge_others(Lines& lines, const config::Bus& bus, const Hearing& hearing) 
 
 void Hearing::add(const canopen::Frame& frame) noexcept {
   if (frame.error) {
-    ++error_frames;
+    const canopen::ErrorCounts counts = canopen::error_counts_of(frame);
+    errors += counts.wire > 0 || counts.ack > 0 ? 1U : 0U;  // not those that tell of the controller's state
     return;
   }
   ++frames;
@@ -113,6 +130,16 @@ void Hearing::add(const canopen::Frame& frame) noexcept {
   } else if (function == 0x600) {
     asked[node] = true;
   }
+}
+
+std::chrono::milliseconds listening_time(const config::Model& model, std::size_t bus) {
+  canopen::Duration longest = std::chrono::seconds(3);
+  for (const config::Drive& drive : model.drives) {
+    if (drive.bus == bus && drive.enabled) {
+      longest = std::max(longest, drive.node.error_control.heartbeat_timeout);
+    }
+  }
+  return std::chrono::ceil<std::chrono::milliseconds>(std::min<canopen::Duration>(longest, std::chrono::minutes(1)));
 }
 
 Hearing listen(const std::string& interface, std::chrono::milliseconds time, std::error_code& failed) {
@@ -157,6 +184,9 @@ Lines judge(const config::Model& model, std::size_t bus, const Hearing& hearing,
         {Verdict::warning, subject, fmt::format("not heard in {:.1f} s: {}", seconds, fmt::join(expected.silent, ", ")),
          "compare node id and bit rate at the keypad; drives that nobody has set up may be silent until the "
          "gateway runs"});
+  } else if (expected.drives == 0) {
+    lines.push_back({Verdict::ok, subject,
+                     fmt::format("{} frames in {:.1f} s; no drive is configured here", hearing.frames, seconds)});
   } else {
     lines.push_back(
         {Verdict::ok, subject,
@@ -167,14 +197,16 @@ Lines judge(const config::Model& model, std::size_t bus, const Hearing& hearing,
                      fmt::format("heard, and not in the configuration: {}", fmt::join(expected.strange, ", ")),
                      "add a [[drive]] for it, or see whether a drive has the wrong node id"});
   }
-  if (hearing.error_frames > 0) {
+  if (hearing.errors > 0) {
     lines.push_back({Verdict::warning, subject,
-                     fmt::format("the driver told of {} errors in {:.1f} s", hearing.error_frames, seconds),
+                     fmt::format("the driver told of {} errors in {:.1f} s", hearing.errors, seconds),
                      "look at bit rate, wiring and termination; `ip -details -statistics link show " + on.interface +
                          "` counts them"});
   }
-  if (!listened.gateway_runs) {
+  if (listened.gateway == Presence::absent) {
     judge_others(lines, on, hearing);
+  } else if (listened.gateway == Presence::unknown) {
+    tell_of_others(lines, on, hearing);
   }
   return lines;
 }

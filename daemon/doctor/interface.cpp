@@ -39,7 +39,10 @@ std::vector<std::string> can_interfaces() {
   return names;
 }
 
-std::string set_up(const config::Bus& bus) {
+std::string set_up(const config::Bus& bus, bool has_controller) {
+  if (!has_controller) {  // vcan and its like have no bit rate to set
+    return fmt::format("`ip link set {} up`", bus.interface);
+  }
   return fmt::format("`ip link set {} up type can bitrate {} restart-ms 100`; for good see systemd/ in the sources",
                      bus.interface, bus.bitrate ? std::to_string(*bus.bitrate) : "BITRATE");
 }
@@ -65,7 +68,8 @@ Line judge_state(const config::Bus& bus, const Interface& interface) {
       return {Verdict::ok, subject, told};
     case canopen::BusCondition::down:
       return {Verdict::error, subject,
-              interface.administratively_up ? told + ": it is switched on, but has no carrier" : told, set_up(bus)};
+              interface.administratively_up ? told + ": it is switched on, but has no carrier" : told,
+              set_up(bus, interface.condition.has_value())};
     case canopen::BusCondition::bus_off:
       return {Verdict::error, subject, told,
               "look at bit rate, wiring, termination; then `ip link set " + bus.interface + " type can restart`"};
@@ -96,7 +100,7 @@ void judge_timing(Lines& lines, const config::Bus& bus, const Interface& interfa
     // Its words: what is wrong, a semicolon, what to do.
     const std::size_t parted = doubt.rfind("; ");
     lines.push_back({Verdict::warning, subject, doubt.substr(0, parted),
-                     parted == std::string::npos ? set_up(bus) : doubt.substr(parted + 2)});
+                     parted == std::string::npos ? set_up(bus, true) : doubt.substr(parted + 2)});
   }
 }
 

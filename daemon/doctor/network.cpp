@@ -8,6 +8,8 @@
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/system/error_code.hpp>
 
+#include "daemon/doctor/port_owner.h"
+
 namespace gateway::doctor {
 namespace {
 
@@ -36,7 +38,7 @@ std::vector<tcp::endpoint> look_up(boost::asio::io_context& io, const config::En
   return endpoints;
 }
 
-std::error_code try_to_listen(boost::asio::io_context& io, const tcp::endpoint& at) {
+std::error_code try_to_bind(boost::asio::io_context& io, const tcp::endpoint& at) {
   tcp::acceptor acceptor(io);
   error_code failed;
   const auto worked = [&failed] { return !failed; };
@@ -50,20 +52,41 @@ std::error_code try_to_listen(boost::asio::io_context& io, const tcp::endpoint& 
   if (worked()) {
     static_cast<void>(acceptor.bind(at, failed));
   }
-  if (worked()) {
-    static_cast<void>(acceptor.listen(1, failed));
-  }
+  // It does not listen: for that moment a client would be taken that is meant for the gateway.
   return failed;
+}
+
+Line judge_taken(const config::Endpoint& listen, const PortFacts& facts, Presence gateway) {
+  const std::string subject = "port " + name_of(listen);
+  const std::string who = fmt::format("`ss -ltnp 'sport = :{}'` as root names it", listen.port);
+  if (facts.of_gateway == true) {
+    return {Verdict::ok, subject, "the gateway listens there"};
+  }
+  if (facts.of_gateway == false) {
+    return {Verdict::error, subject, "another program listens there, and the gateway, which runs, cannot",
+            who + "; end it, or let `listen` name another port"};
+  }
+  switch (gateway) {
+    case Presence::runs:
+      return {Verdict::ok, subject, "in use, and the gateway runs; whether it is the one was not seen"};
+    case Presence::absent:
+      return {Verdict::error, subject, "another program listens there",
+              who + "; end it, or let `listen` name another port"};
+    case Presence::unknown:
+      break;
+  }
+  return {Verdict::warning, subject, "in use, by the gateway or by another program", who};
 }
 
 }  // namespace
 
-PortFacts try_port(const config::Endpoint& listen) {
+PortFacts try_port(const config::Endpoint& listen, pid_t gateway) {
   boost::asio::io_context io;
   PortFacts facts;
   for (const tcp::endpoint& at : look_up(io, listen, facts.unknown_name)) {
-    if (const std::error_code failed = try_to_listen(io, at)) {
+    if (const std::error_code failed = try_to_bind(io, at)) {
       facts.error = failed;
+      facts.of_gateway = failed == std::errc::address_in_use ? is_held_by(at, gateway) : std::nullopt;
     }
   }
   return facts;
@@ -76,18 +99,13 @@ Line judge(const config::Endpoint& listen, const PortFacts& facts, const PortHol
             "the gateway tries again until there is one; a numeric address does not wait for a name server"};
   }
   if (!facts.error) {
-    return holder.gateway_runs
+    return holder.gateway == Presence::runs
                ? Line{Verdict::warning, subject, "the gateway runs and does not listen there",
                       "its log says why (`journalctl -u canopen-gateway`); or it has an older configuration"}
                : Line{Verdict::ok, subject, "free"};
   }
   if (facts.error == std::errc::address_in_use) {
-    return holder.gateway_runs
-               ? Line{Verdict::ok, subject, "in use, and the gateway runs"}
-               : Line{
-                     Verdict::error, subject, "another program listens there",
-                     fmt::format("`ss -ltnp 'sport = :{}'` as root names it; end it, or let `listen` name another port",
-                                 listen.port)};
+    return judge_taken(listen, facts, holder.gateway);
   }
   if (facts.error == std::errc::address_not_available) {
     return {Verdict::warning, subject, "this machine does not have that address now",
@@ -100,15 +118,18 @@ Line judge(const config::Endpoint& listen, const PortFacts& facts, const PortHol
   return {Verdict::error, subject, facts.error.message(), "let `listen` name another address or port"};
 }
 
-BrokerFacts try_broker(const config::Mqtt& mqtt, const config::Endpoint& broker, std::chrono::milliseconds patience) {
+BrokerFacts try_broker(const config::Mqtt& mqtt, const config::Endpoint& broker, bool lacks_files,
+                       std::chrono::milliseconds patience) {
   boost::asio::io_context io;
-  BrokerFacts facts;
+  BrokerFacts facts{.lacks_files = lacks_files && broker.tls};
   for (const tcp::endpoint& at : look_up(io, broker, facts.unknown_name)) {
     facts.addresses.push_back(at.address().to_string());
   }
-  if (facts.unknown_name.empty()) {
+  if (facts.unknown_name.empty() && !facts.lacks_files) {
     facts.reach = mqtt::reaches(broker, facts.addresses,
                                 {.ca = mqtt.ca_file, .cert = mqtt.cert_file, .key = mqtt.key_file}, patience);
+    const bool doubtful = facts.reach.manner == mqtt::Manner::closes || facts.reach.manner == mqtt::Manner::foreign;
+    facts.speaks_tls = doubtful && !broker.tls && mqtt::speaks_tls(broker, facts.addresses, patience);
   }
   return facts;
 }
@@ -119,10 +140,31 @@ Line judge(const config::Endpoint& broker, const BrokerFacts& facts) {
     return {Verdict::error, subject, "no address is known for " + broker.host + ": " + facts.unknown_name,
             "is the name right, and the name server reachable: `getent ahosts " + broker.host + "`"};
   }
+  if (facts.lacks_files) {
+    return {Verdict::warning, subject, "not tried: a file for TLS is not there for this program",
+            "its line above names it; the log of the gateway shows whether it connects (`journalctl -u "
+            "canopen-gateway`)"};
+  }
+  if (facts.speaks_tls) {
+    return {Verdict::error, subject, "what answers there speaks TLS, and is named without",
+            fmt::format("let `brokers` name it as mqtts://{}, or name its port without TLS", name_of(broker))};
+  }
+  if (facts.reach.manner == mqtt::Manner::foreign) {
+    return {Verdict::error, subject, facts.reach.why,
+            broker.tls ? "does `brokers` name the right port: most listen for TLS at 8883"
+                       : "does `brokers` name the right port: most listen at 1883; one for TLS, often 8883, needs "
+                         "mqtts://"};
+  }
   if (!facts.reach.good) {
     return {Verdict::error, subject,
             fmt::format("not reached at {}: {}", fmt::join(facts.addresses, ", "), facts.reach.why),
             "does the broker run there, and does no firewall stand between; the gateway goes on trying"};
+  }
+  if (facts.reach.manner != mqtt::Manner::connack) {
+    return {
+        Verdict::warning, subject, "it closes the connection without an answer: that may be a broker or not",
+        "some brokers do that when asked for a version of MQTT that they do not know; `canopen-gateway status` tells "
+        "whether the gateway is connected"};
   }
   return {Verdict::ok, subject, "something answers like a broker; user and password were not tried"};
 }

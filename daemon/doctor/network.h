@@ -1,6 +1,9 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -8,30 +11,36 @@
 #include "bridges/mqtt/reach.h"
 #include "config/model.h"
 #include "daemon/doctor/line.h"
+#include "daemon/doctor/presence.h"
 
 namespace gateway::doctor {
 
 /// One address to listen on, tried and given back at once.
 struct PortFacts {
-  std::string unknown_name{};  ///< Why the system knows no address of the name; empty: it does.
-  std::error_code error{};     ///< Set: nobody can listen there now.
+  std::string unknown_name{};        ///< Why the system knows no address of the name; empty: it does.
+  std::error_code error{};           ///< Set: nobody can listen there now.
+  std::optional<bool> of_gateway{};  ///< It is the gateway that listens there; nothing: that was not seen.
 };
-[[nodiscard]] PortFacts try_port(const config::Endpoint& listen);
+/// `gateway`: its process; 0: not known.
+[[nodiscard]] PortFacts try_port(const config::Endpoint& listen, pid_t gateway);
 
-/// Whoever has the port.
+/// Whoever may have the port.
 struct PortHolder {
-  bool gateway_runs = false;  ///< Then a port that is taken is its own.
-  bool privileged = false;    ///< This program may take ports below 1024.
+  Presence gateway = Presence::absent;
+  bool privileged = false;  ///< This program may take ports below 1024.
 };
 [[nodiscard]] Line judge(const config::Endpoint& listen, const PortFacts& facts, const PortHolder& holder);
 
 struct BrokerFacts {
   std::string unknown_name{};  ///< As above.
   std::vector<std::string> addresses{};
+  bool lacks_files = false;  ///< Those of TLS are not there for this program: it was not tried.
   mqtt::Reach reach{};
+  bool speaks_tls = false;  ///< To who spoke plainly, and was not answered as by a broker.
 };
 /// Begins no session there: a running gateway keeps its connection. Blocks for the system's look-up and `patience`.
-[[nodiscard]] BrokerFacts try_broker(const config::Mqtt& mqtt, const config::Endpoint& broker,
+/// `lacks_files`: one of those for TLS cannot be had.
+[[nodiscard]] BrokerFacts try_broker(const config::Mqtt& mqtt, const config::Endpoint& broker, bool lacks_files,
                                      std::chrono::milliseconds patience);
 [[nodiscard]] Line judge(const config::Endpoint& broker, const BrokerFacts& facts);
 

@@ -16,7 +16,7 @@ std::optional<std::string_view> name_or_null(const std::string& text) {
 
 void append_record(std::string& out, const recorder::StoredRecord& record) {
   const recorder::RecordSummary& summary = record.summary;
-  const std::string stem = record.stem();
+  const std::string& stem = record.stem;
   const bool has_json = record.json_size > 0;
   text::ObjectText object(out);
   object.text("name", stem + std::string(recorder::kLogSuffix));
@@ -59,17 +59,17 @@ Answer record_file(const Site& site, std::string_view name) {
     return *std::move(none);
   }
   // Only a name that is listed: nothing that a client writes becomes a path.
-  for (const recorder::StoredRecord& record : site.records()->all()) {
-    const bool is_log = name == record.stem() + std::string(recorder::kLogSuffix);
-    const bool is_json = record.json_size > 0 && name == record.stem() + std::string(recorder::kJsonSuffix);
-    if (is_log || is_json) {
-      const std::string file(name);
-      return {.type = is_log ? kLogType : "application/json",
-              .attachment = file,
-              .file = FileBody{
-                  .size = is_log ? record.log_size : record.json_size,
-                  .read = [read = site.read_record, file](std::uint64_t offset) { return read(file, offset); }}};
-    }
+  const bool is_log = name.ends_with(recorder::kLogSuffix);
+  const std::string_view suffix = is_log ? recorder::kLogSuffix : recorder::kJsonSuffix;
+  const recorder::StoredRecord* const record =
+      name.ends_with(suffix) ? site.records()->find(name.substr(0, name.size() - suffix.size())) : nullptr;
+  if (record != nullptr && (is_log || record->json_size > 0)) {
+    const std::string file(name);
+    return {
+        .type = is_log ? kLogType : "application/json",
+        .attachment = file,
+        .file = FileBody{.size = is_log ? record->log_size : record->json_size,
+                         .read = [read = site.read_record, file](std::uint64_t offset) { return read(file, offset); }}};
   }
   return refusal(404, "there is no record " + std::string(beginning(name)) + "; /api/records lists them");
 }

@@ -37,6 +37,7 @@ ONCE = re.compile(r"\bset\b|\bstop\b|\bnmt\b|\bwrite\b|mosquitto_pub|mosquitto_r
 
 
 def plain(line, varying):
+    line = re.sub(r"  heartbeat margin \d+ % \(\w+\)$", "", line)  # it comes once enough heartbeats were heard
     for pattern in [*([varying] if varying else []), *ALWAYS_VARYING]:
         line = re.sub(pattern, "#", line)
     return re.sub(r"[ \t]+", " ", line).strip()

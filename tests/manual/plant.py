@@ -27,7 +27,6 @@ class Plant:
         self.out = self.work / "out"
         self.running = []
         self.control = self.work / "none"
-        self.name = None  # by which the gateway calls itself, where that is another than the file's
         (self.work / "bin").mkdir(exist_ok=True)
 
     def launch(self, arguments, out, err, **more):
@@ -100,22 +99,27 @@ class Plant:
 
     def shown(self, text):
         """What it says, by the places and the name that the page has."""
-        text = text.replace(str(self.config), CONFIG).replace(str(self.control), CONTROL)
-        return text.replace(f"{self.name}-demo", self.name) if self.name else text
+        return text.replace(str(self.config), CONFIG).replace(str(self.control), CONTROL)
 
     def meant(self, command):
-        command = re.sub(r" --control /tmp/canopen-gateway\.\w+/control", "", command)  # the wrapper says it
-        return command.replace(f"canopen/{self.name}/", f"canopen/{self.name}-demo/") if self.name else command
+        return re.sub(r" --control /tmp/canopen-gateway\.\w+/control", "", command)  # the wrapper says it
 
 
 class Demo(Plant):
+    """Without a configuration the demo; of a configuration drives and gateway in one process (one_process.cpp)."""
+
     def begin(self, orders):
+        if self.config.exists():
+            program = pathlib.Path(self.gateway).parent / "../tests/system/one_process"
+            plant = self.work / "plant"
+            self.launch([program, self.config, self.root / "config/profiles", plant], self.out, self.log, stdin=orders)
+            self.control = plant / "control"
+            self.wait("the plant is there", self.control.exists)
+            return
         self.launch(self.program("demo"), self.out, self.log, stdin=orders)
         said = re.compile(r"--control (\S+/control)")
         self.wait("the demo says where its socket is", lambda: said.search(self.out.read_text()))
         self.control = pathlib.Path(said.search(self.out.read_text())[1])
-        named = re.search(r"canopen/([\w-]+)-demo/#", self.out.read_text())
-        self.name = named[1] if named else None
 
 
 class SocketCan(Plant):

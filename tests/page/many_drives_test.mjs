@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { Demo, openBrowser, openPage, until } from './support.mjs';
 
 const DRIVES = 127;
-const LONGEST_TASK = 100;  // ms of the processor: what others of this machine do is no fault of the page
+const LONGEST_TASK = 100;  // ms by the clock, on a quiet machine; of the processor is told beside it
 const seconds = Number(process.env.PAGE_SECONDS ?? 10);
 
 // Two buses, since the gateway takes a node id of each; the simulator wants each node id once.
@@ -93,7 +93,7 @@ test(`no task of the page takes ${LONGEST_TASK} ms, ${seconds} s long`, async ()
     assert.ok(moving.answers() > 20, 'drives were commanded');
     assert.ok(changes > 20 * seconds, `${changes} changes`);
     assert.ok(tasks.length > 10 * seconds, `${tasks.length} tasks`);
-    assert.deepEqual(tasks.filter((task) => task.processor > LONGEST_TASK), []);
+    assert.deepEqual(tasks.filter((task) => task.clock > LONGEST_TASK), []);
     assert.deepEqual(notes.complaints, []);
     await trace(browser, page);
     await page.evaluate(tarry);

@@ -81,6 +81,6 @@ test('frames', () => {
   assert.match(cells.time, /\d\d:\d\d:05\.678123$/);
   assert.deepEqual([cells.id, cells.name], ['605', 'SDO (ours)']);
   assert.deepEqual(frameCells({ ...frame, own: false, kind: 'error', name: 'error', frame: '20000040#' }).id, '');
-  assert.equal(lostText({ frames: 1 }), '1 frame is not shown here.');
-  assert.equal(lostText({ frames: 7 }), '7 frames are not shown here: they came too fast.');
+  assert.equal(lostText({ frames: 1 }), 'Up to 1 frame is not shown here: they came too fast.');
+  assert.equal(lostText({ frames: 7 }), 'Up to 7 frames are not shown here: they came too fast.');
 });

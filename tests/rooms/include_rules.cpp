@@ -66,9 +66,10 @@ constexpr std::array<std::string_view, 11> kJournal{
     "bridges/disk/",   "bridges/text/", "bridges/process/", "config/model.h",   "canopen/clock.h",  "canopen/error.h",
     "canopen/event.h", "canopen/hex.h", "canopen/nmt.h",    "canopen/object.h", "canopen/wake_up.h"};
 // Frames as they are seen, what the model says of them, and how values are written for people.
-constexpr std::array<std::string_view, 19> kTrace{"bridges/text/",
+constexpr std::array<std::string_view, 20> kTrace{"bridges/text/",
                                                   "bridges/alarms/fault_naming.h",
                                                   "bridges/mqtt/value_text.h",
+                                                  "config/log_interface.h",
                                                   "config/model.h",
                                                   "canopen/bus/bus.h",
                                                   "canopen/bus/frame_tap.h",
@@ -86,10 +87,12 @@ constexpr std::array<std::string_view, 19> kTrace{"bridges/text/",
                                                   "canopen/object.h",
                                                   "canopen/sdo/frames.h"};
 // Frames as a tap sees them; faults and commands as `bridges/process` tells of them, worded as in the journal.
-constexpr std::array<std::string_view, 12> kRecorder{
-    "bridges/disk/",   "bridges/text/",   "bridges/alarms/",    "bridges/process/",
-    "config/model.h",  "canopen/clock.h", "canopen/bus/link.h", "bridges/journal/record_text.h",
-    "canopen/error.h", "canopen/event.h", "canopen/wake_up.h",  "canopen/bus/frame_tap.h"};
+constexpr std::array<std::string_view, 13> kRecorder{
+    "bridges/disk/",          "bridges/text/",          "bridges/alarms/",
+    "bridges/process/",       "config/log_interface.h", "config/model.h",
+    "canopen/clock.h",        "canopen/bus/link.h",     "bridges/journal/record_text.h",
+    "canopen/error.h",        "canopen/event.h",        "canopen/wake_up.h",
+    "canopen/bus/frame_tap.h"};
 // Frames and links, but nothing that knows a service: the simulator is the master's independent counterpart.
 constexpr std::array<std::string_view, 6> kSimulator{"canopen/bus/bus_state.h",
                                                      "canopen/clock.h",

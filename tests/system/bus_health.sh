@@ -80,10 +80,11 @@ for ((i = 0; i < 40; i++)); do
 done &
 suspected doubled_id 20
 wait $!
-expect_match "the sentence" '^a node id may be there twice: node 5: .*Look first at drives that were exchanged' \
+expect_match "the sentence" '^a node id may be there twice(, seen until [0-9]+ s ago)?: node 5: .*Look first at drives that were exchanged' \
   "$(bus .suspicion.text)"
 told_once 'can0: suspicion: a node id may be there twice'
-told_once 'can0: no sign any more of the suspicion that wiring or termination may be bad'
+told_once 'can0: suspicion: a node id may be there twice: .* (before: wiring or termination may be bad)'
+expect "what was displaced is not said to be gone" 0 "$(grep -c 'no longer suspected' "$work/gateway.err")"
 
 say "nobody acknowledges"
 restart_gateway
@@ -112,7 +113,7 @@ for ((i = 0; i < 6; i++)); do
 done
 suspected bit_rate 10
 expect_match "the sentence" \
-  '^the bit rate may be wrong: no frame was received since the interface came up; .* \(.*6 form.*\)\. Look first at the bit rate, here 125000 bit/s' \
+  '^the bit rate may be wrong: no frame was received since the gateway opened the interface; .* \(.*6 form.*\)\. Look first at the bit rate, here 125000 bit/s' \
   "$(bus .suspicion.text)"
 told_once 'can0: suspicion: the bit rate may be wrong'
 adapter say sa000000

@@ -2,12 +2,11 @@
 # What `doctor` says of a machine on which all is well, and of what is broken: each has a line of its own that names it
 # and a remedy behind it, and stands in docs/DOCTOR.md. Run inside tests/vcan/run.
 . "$(dirname "$0")/lib.sh"
-traced=vcan0
 
 # examine EXIT-CODE: its lines are in $work/doctor.out
 examine() {
   local code
-  "$gateway_bin" --config "$work/gateway.toml" --profile-dir "$root/config/profiles" doctor --listen "${listening:-1s}" \
+  "$gateway_bin" --config "${configuration:-$work/gateway.toml}" --profile-dir "$root/config/profiles" doctor --listen "${listening:-1s}" \
     >"$work/doctor.out" 2>"$work/doctor.err"
   code=$?
   expect "exit code of doctor, which says $(cat "$work/doctor.out" "$work/doctor.err")" "$1" $code
@@ -19,9 +18,22 @@ says() {
   [ -n "$line" ] || fail "$1: no line '$2 $3' in: $(cat "$work/doctor.out")"
   [ "$2" = ok ] || expect_match "remedy of '$1'" '^ +-> .' "$(tail -n 1 <<<"$line")"
   [ "$2" = ok ] && return
-  line=$(head -n 1 <<<"$line" | sed "s#$work#…#g; s/  */ /; s/\`/'/g; s/ (non-authoritative).*//")
+  line=$(head -n 1 <<<"$line" | sed "s#$work#…#g; s/  */ /; s/\`/'/g; s/ (non-authoritative).*//; s/: heard: .*node id/: heard: … node id/")
   grep -qF "| $1 | \`$line\` |" "$root/docs/DOCTOR.md" || fail "docs/DOCTOR.md has no row '| $1 | \`$line\` |'"
   checks=$((checks + 1))
+}
+
+# squat: another program has the port of Modbus
+squat() {
+  launch squatter /usr/bin/python3 -c 'import socket, time
+s = socket.create_server(("127.0.0.1", 1502))
+time.sleep(100)'
+  wait_until 20 "somebody has the port" bash -c 'echo >/dev/tcp/127.0.0.1/1502'
+}
+end_gateway() {
+  kill "${started[gateway]}"
+  wait "${started[gateway]}"
+  unset "started[gateway]"
 }
 
 useradd --system canopen-gateway || fail "no user"
@@ -36,9 +48,13 @@ chmod 644 "$work/gateway.toml"
 sysctl -qw net.core.rmem_max=4194304
 start_broker
 start_four_drives
+start_trace
 
 say "before the gateway is started"
+mark
 examine 0
+expect_no_frames "frames while doctor runs without a gateway" ' ([0-6]..|7[0-9A-E].)#'  # all but catch_up's own
+says "the gateway is not started" warning "gateway: it does not run"
 says "drives that nobody has set up are silent" warning "bus can0: nothing was heard"
 says "nothing" ok "files: canopen-gateway may use all"
 says "nothing" ok "broker 127.0.0.1:1883: something answers"
@@ -52,12 +68,68 @@ examine 0
 cat "$work/doctor.out"
 says "nothing, and the gateway runs" ok "gateway: it runs"
 says "nothing, and the gateway runs" ok "bus can0: .* all 4 drives heard"
-says "nothing, and the gateway runs" ok "port 127.0.0.1:1502: in use"
+says "nothing, and the gateway runs" ok "port 127.0.0.1:1502: the gateway listens there"
 expect "what it takes for somebody else" "" "$(grep -E 'another master|node id 127' "$work/doctor.out")"
 wait_until 5 "the gateway never noticed" register_is 0 2 4
-kill "${started[gateway]}"
-wait "${started[gateway]}"
-unset "started[gateway]"
+
+say "whether the gateway runs is not known: nobody is accused"
+sed "s#^control = .*#control = \"\"#" "$work/gateway.toml" >"$work/mute.toml"
+configuration=$work/mute.toml
+examine 0
+says "the gateway has no control socket" warning "gateway: .control. is empty"
+says "its frames may be anybody's" warning "bus can0: heard: .*node id 127; from the gateway or from somebody else"
+says "so may its port" warning "port 127.0.0.1:1502: in use, by the gateway or by another program"
+expect "what it takes for somebody else" "" "$(grep -E 'another master|another program listens|somebody else has' "$work/doctor.out")"
+configuration=$work/gateway.toml
+kill -STOP "${started[gateway]}"
+examine 0
+kill -CONT "${started[gateway]}"
+says "the gateway hangs" warning "gateway: whether it works is not known"
+says "nothing, and the gateway hangs" ok "port 127.0.0.1:1502: the gateway listens there"
+end_gateway
+
+say "somebody has the port, and the gateway runs without it"
+squat
+start_gateway
+wait_until 10 "the gateway answers" "$gateway_bin" status --control "$work/control"
+examine 1
+says "another program had the port first" error "port 127.0.0.1:1502: another program listens there, and the gateway"
+end_gateway
+kill "${started[squatter]}" && wait "${started[squatter]}" 2>/dev/null
+
+say "a secret that only the service sees"
+sed "s#^password_file = .*#password_file = \"mqtt-password\"#" "$work/gateway.toml" >"$work/credential.toml"
+configuration=$work/credential.toml
+examine 0
+says "a secret is not beside the configuration" warning "file .*/mqtt-password: it is not beside the configuration"
+says "nothing" ok "broker 127.0.0.1:1883: something answers"
+
+say "what is no broker"
+launch impostors /usr/bin/python3 -c 'import socket, threading, time
+def serve(port, words):
+    server = socket.create_server(("127.0.0.1", port))
+    while True:
+        client, _ = server.accept()
+        client.sendall(words)
+        client.recv(100)
+        client.close()
+for port, words in (1884, b"SSH-2.0-OpenSSH_9.2\r\n"), (1885, b""):
+    threading.Thread(target=serve, args=(port, words), daemon=True).start()
+time.sleep(100)'
+wait_until 5 "they listen" bash -c 'echo >/dev/tcp/127.0.0.1/1884 && echo >/dev/tcp/127.0.0.1/1885'
+openssl req -x509 -newkey rsa:2048 -nodes -keyout "$work/key.pem" -out "$work/cert.pem" -days 2 -subj /CN=localhost \
+  2>/dev/null || fail "no certificate"
+launch tls openssl s_server -accept 127.0.0.1:8883 -key "$work/key.pem" -cert "$work/cert.pem" -quiet
+wait_until 10 "the port for TLS is open" bash -c 'echo >/dev/tcp/127.0.0.1/8883'
+brokers='"mqtt://127.0.0.1:1884", "mqtt://127.0.0.1:1885", "mqtt://127.0.0.1:8883"'
+sed "s#^brokers = .*#brokers = [$brokers]#" "$work/gateway.toml" >"$work/brokers.toml"
+configuration=$work/brokers.toml
+examine 1
+says "the broker's port is that of SSH" error "broker 127.0.0.1:1884: what answers there is no MQTT broker"
+says "the broker only closes" warning "broker 127.0.0.1:1885: it closes the connection"
+says "the broker's port is one for TLS, and it is named mqtt://" error "broker 127.0.0.1:8883: what answers there speaks TLS"
+kill "${started[impostors]}" "${started[tls]}"
+configuration=$work/gateway.toml
 
 say "what is broken"
 sysctl -qw net.core.rmem_max=212992
@@ -66,11 +138,8 @@ chown root "$work/state" && chmod 700 "$work/state"
 kill "${started[mosquitto]}" && wait "${started[mosquitto]}" 2>/dev/null
 unset "started[mosquitto]"
 order 9 mute on
-launch squatter /usr/bin/python3 -c 'import socket, time
-s = socket.create_server(("127.0.0.1", 1502))
-time.sleep(100)'
+squat
 launch strangers bash -c 'while sleep 0.2; do cansend vcan0 77F#05; cansend vcan0 70C#05; cansend vcan0 080#; done'
-wait_until 5 "somebody has the port" bash -c 'echo >/dev/tcp/127.0.0.1/1502'
 examine 1
 says "a small receive buffer" warning "receive buffer: net.core.rmem_max is 212992"
 says "the password is root's alone" error "file .*/password: canopen-gateway may not read it"

@@ -89,9 +89,11 @@ start_witness() {
   launch witness mosquitto_sub -h "$broker_host" -p "$broker_port" -F '%U %r %t %p' -t '#'
 }
 
-# The frames on the bus, with the kernel's time, in candump's log format.
+# The frames on the bus, with the kernel's time, in candump's log format. As `start_trace nice` it gives way to what it looks
+# at: it takes four system calls a frame, on the one processor of the user-mode kernel. Until its turn comes frames wait in a
+# buffer; where that runs over candump says so (DROPCOUNT).
 start_trace() {
-  launch candump candump -L "$traced"
+  launch candump ${1:+"$1" -n 19} candump ${1:+-d -r 33554432} -L "$traced"
   catch_up
 }
 

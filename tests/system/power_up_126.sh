@@ -9,7 +9,7 @@ profile = "cia402-velocity"
 [drive.tpdo1]
 event_timer = "500ms"
 END
-start_trace
+start_trace nice
 start_gateway
 wait_until 20 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
 say "power-up"
@@ -19,6 +19,7 @@ sleep 5  # Asking takes processes, of which each takes milliseconds of the one p
 wait_until 60 "all online" register_is 0 2 "$drives"
 catch_up
 read -r operational took <<<"$(power_up "$drives")"
+expect "frames that the trace lost" "" "$(grep DROPCOUNT "$work/candump.out")"
 say "$operational operational $took ms after the first boot-up"
 say "longest gap of our heartbeat: $(longest_gap ' 77F#') ms"
 say "busiest second: $(busiest_second) frames"

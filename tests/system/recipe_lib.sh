@@ -73,7 +73,8 @@ ended() {
   unset "started[$1]"
 }
 
-# The gateway, started in the background, and its drive: on the bus of the pages where there is CAN; else the two in one process, by the demo.
+# The gateway, started in the background, and its drive: on the bus of the pages where there is CAN; else the two in one
+# process, see one_process.cpp.
 gateway_command() { exec "$gateway_bin" "$1" --config "$site/etc/canopen-gateway/gateway.toml" --profile-dir "$root/config/profiles"; }
 if [ -e /sys/class/net/vcan0 ]; then
   recipe_gateway() { launch gateway gateway_command run; }
@@ -86,7 +87,8 @@ else
   recipe_gateway() {
     [ -p "$work/orders" ] || mkfifo "$work/orders"
     exec 7<>"$work/orders"
-    gateway_command demo <"$work/orders" >"$work/simulate.out" 2>"$work/gateway.err" &
+    "$(dirname "$gateway_bin")/../tests/system/one_process" "$site/etc/canopen-gateway/gateway.toml" "$root/config/profiles" \
+      "$work/plant" <"$work/orders" >"$work/simulate.out" 2>"$work/gateway.err" &
     started[gateway]=$!
   }
   recipe_drive() { :; }

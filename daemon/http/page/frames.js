@@ -11,5 +11,5 @@ export function frameCells(frame) {
 }
 
 export function lostText(lost) {
-  return lost.frames === 1 ? '1 frame is not shown here.' : `${lost.frames} frames are not shown here: they came too fast.`;
+  return `Up to ${lost.frames} frame${lost.frames === 1 ? ' is' : 's are'} not shown here: they came too fast.`;
 }

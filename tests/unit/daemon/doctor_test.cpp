@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
 
 #include <array>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <cerrno>
 #include <functional>
 #include <string>
@@ -13,28 +13,13 @@
 #include "daemon/doctor/hearing.h"
 #include "daemon/doctor/interface.h"
 #include "daemon/doctor/machine.h"
-#include "daemon/doctor/network.h"
+#include "tests/unit/daemon/doctor_lines.h"
 
 namespace gateway::doctor {
 namespace {
 
 using namespace std::chrono_literals;
 using canopen::BusCondition;
-
-std::error_code error_of(std::errc code) {
-  return std::make_error_code(code);
-}
-
-// The line that says `part`, as `verdict: finding`; else all there are.
-std::string find(const Lines& lines, const std::string& part) {
-  for (const Line& line : lines) {
-    if (line.finding.find(part) != std::string::npos) {
-      EXPECT_EQ(line.remedy.empty(), line.verdict == Verdict::ok) << line.finding;
-      return std::string(line.verdict == Verdict::ok ? "ok" : line.verdict == Verdict::warning ? "warning" : "error");
-    }
-  }
-  return to_text(lines);
-}
 
 MachineFacts good_machine() {
   return {.can = {},
@@ -149,12 +134,12 @@ config::Model example_model() {
   return model;
 }
 
-Lines heard(const std::vector<std::uint32_t>& ids, bool gateway_runs = false) {
+Lines heard(const std::vector<std::uint32_t>& ids, Presence gateway = Presence::absent) {
   Hearing hearing;
   for (const std::uint32_t id : ids) {
     hearing.add(canopen::make_frame(id, std::array<std::uint8_t, 1>{5}));
   }
-  return judge(example_model(), 0, hearing, {.time = 3s, .gateway_runs = gateway_runs});
+  return judge(example_model(), 0, hearing, {.time = 3s, .gateway = gateway});
 }
 
 TEST(DoctorTest, WhatIsHeardIsComparedWithTheConfiguration) {
@@ -165,7 +150,15 @@ TEST(DoctorTest, WhatIsHeardIsComparedWithTheConfiguration) {
   EXPECT_EQ(find(heard({0x703, 0x705, 0x48C}), "not in the configuration: node 12"), "warning");
   EXPECT_EQ(find(heard({0x703, 0x705, 0x77F}), "somebody else has the gateway's node id 127"), "error");
   EXPECT_EQ(find(heard({0x703, 0x705, 0x000, 0x080, 0x603}), "NMT commands, SYNC, SDO requests to node 3"), "warning");
-  EXPECT_EQ(heard({0x703, 0x705, 0x77F, 0x000, 0x603}, true).size(), 1U) << "it is the gateway itself";
+  EXPECT_EQ(heard({0x703, 0x705, 0x77F, 0x000, 0x603}, Presence::runs).size(), 1U) << "it is the gateway itself";
+}
+
+TEST(DoctorTest, NobodyIsAccusedWhereItIsNotKnownWhetherTheGatewayRuns) {
+  const Lines lines = heard({0x703, 0x705, 0x77F, 0x080, 0x603}, Presence::unknown);
+  ASSERT_EQ(lines.size(), 2U) << to_text(lines);
+  EXPECT_EQ(find(lines, "heard: SYNC, SDO requests to node 3, node id 127; from the gateway or from somebody else"),
+            "warning");
+  EXPECT_EQ(heard({0x703, 0x705}, Presence::unknown).size(), 1U) << "nothing that anybody could have sent";
 }
 
 TEST(DoctorTest, WhatAMasterSendsIsNoSignOfTheDrive) {
@@ -182,7 +175,36 @@ TEST(DoctorTest, ErrorsRemoteAndLongFramesAreNobodys) {
   hearing.add({.id = 0xFFFFFFFF});
   EXPECT_FALSE(hearing.nodes.at(3));
   const Lines lines = judge(example_model(), 0, hearing, {.time = 3s});
-  EXPECT_EQ(find(lines, "the driver told of 1 errors"), "warning");
+  EXPECT_EQ(find(lines, "the driver told of"), to_text(lines)) << "it told of none on the wire";
+}
+
+TEST(DoctorTest, AChangeOfTheControllersStateIsNoErrorOfTheWire) {
+  Hearing hearing;
+  canopen::Frame state = canopen::make_frame(CAN_ERR_CRTL, std::array<std::uint8_t, 8>{0, CAN_ERR_CRTL_ACTIVE});
+  state.error = true;
+  hearing.add(state);
+  EXPECT_EQ(hearing.errors, 0U);
+  state.id = CAN_ERR_ACK;
+  hearing.add(state);
+  EXPECT_EQ(hearing.errors, 1U);
+}
+
+TEST(DoctorTest, ItListensAsLongAsADriveMayBeSilent) {
+  config::Model model = example_model();
+  EXPECT_EQ(listening_time(model, 0), 3s);
+  model.drives[1].node.error_control.heartbeat_timeout = 12s;
+  EXPECT_EQ(listening_time(model, 0), 12s);
+  EXPECT_EQ(listening_time(model, 1), 3s) << "it is on the other bus";
+  model.drives[0].node.error_control.heartbeat_timeout = 100s;
+  EXPECT_EQ(listening_time(model, 0), 60s);
+}
+
+TEST(DoctorTest, WhatHasNoControllerIsSwitchedOnWithoutABitRate) {
+  InterfaceFacts facts = good_interface();
+  facts.interface->administratively_up = false;
+  EXPECT_NE(judge(example_bus(), facts).front().remedy.find("type can bitrate 250000"), std::string::npos);
+  facts.interface->condition.reset();
+  EXPECT_EQ(judge(example_bus(), facts).front().remedy, "`ip link set can1 up`");
 }
 
 TEST(DoctorTest, ADriveOutOfServiceIsNotMissed) {
@@ -191,43 +213,8 @@ TEST(DoctorTest, ADriveOutOfServiceIsNotMissed) {
   Hearing hearing;
   hearing.add(canopen::make_frame(0x703, {}));
   EXPECT_EQ(find(judge(model, 0, hearing, {.time = 3s}), "all 1 drives heard"), "ok");
-}
-
-TEST(DoctorTest, Ports) {
-  const config::Endpoint port{"0.0.0.0", 502};
-  const PortHolder root{.gateway_runs = false, .privileged = true};
-  const PortHolder running{.gateway_runs = true, .privileged = true};
-  EXPECT_EQ(find({judge(port, {}, root)}, "free"), "ok");
-  EXPECT_EQ(find({judge(port, {}, running)}, "does not listen there"), "warning");
-  const PortFacts taken{.error = error_of(std::errc::address_in_use)};
-  EXPECT_EQ(find({judge(port, taken, root)}, "another program"), "error");
-  EXPECT_EQ(find({judge(port, taken, running)}, "in use"), "ok");
-  const PortFacts away{.error = error_of(std::errc::address_not_available)};
-  EXPECT_EQ(find({judge(port, away, root)}, "does not have that address"), "warning");
-  const PortFacts forbidden{.error = error_of(std::errc::permission_denied)};
-  EXPECT_EQ(find({judge(port, forbidden, {})}, "only root may try"), "warning");
-  EXPECT_EQ(find({judge(port, forbidden, root)}, "Permission denied"), "error");
-  EXPECT_EQ(find({judge(port, {.unknown_name = "Host not found"}, root)}, "no address is known for 0.0.0.0"),
-            "warning");
-}
-
-TEST(DoctorTest, APortThatIsTakenIsSeen) {
-  boost::asio::io_context io;
-  boost::asio::ip::tcp::acceptor taken(io, {boost::asio::ip::address_v4::loopback(), 0});
-  const std::uint16_t port = taken.local_endpoint().port();
-  EXPECT_EQ(try_port({"127.0.0.1", port}).error, std::errc::address_in_use);
-  taken.close();
-  EXPECT_FALSE(try_port({"127.0.0.1", port}).error);
-}
-
-TEST(DoctorTest, Brokers) {
-  const config::Endpoint broker{"broker.plant.example", 8883, true};
-  EXPECT_EQ(find({judge(broker, {.reach = {.good = true}})}, "answers like a broker"), "ok");
-  EXPECT_EQ(find({judge(broker, {.unknown_name = "Host not found"})}, "no address is known for broker.plant.example"),
-            "error");
-  EXPECT_EQ(find({judge(broker, {.addresses = {"192.0.2.1"}, .reach = {.why = "nobody answers"}})},
-                 "not reached at 192.0.2.1: nobody answers"),
-            "error");
+  model.drives[0].enabled = false;
+  EXPECT_EQ(find(judge(model, 0, hearing, {.time = 3s}), "no drive is configured here"), "ok");
 }
 
 TEST(DoctorTest, Files) {
@@ -241,6 +228,27 @@ TEST(DoctorTest, Files) {
   EXPECT_EQ(find(judge(wanted, facts({0, EROFS})), "Read-only file system"), "error");
   EXPECT_EQ(find(judge(wanted, facts({0, 0}, false)), "tried as anna"), "warning");
   EXPECT_EQ(find(judge(wanted, facts({})), "could not be tried"), "warning");
+}
+
+TEST(DoctorTest, ASecretThatIsAbsentMayBeACredentialOfTheService) {
+  config::Model model;
+  model.mqtt.emplace();
+  model.gateway.state_dir.clear();
+  model.mqtt->password_file = "/etc/x/mqtt-password";
+  model.mqtt->key_file = "/etc/x/line3.key";
+  const std::vector<Wanted> wanted = wanted_files(model, "/etc/x/gateway.toml", {});
+  ASSERT_EQ(wanted.size(), 3U);
+  const auto facts = [](std::vector<int> errors) { return FileFacts{kServiceUser, true, std::move(errors)}; };
+  const Lines lines = judge(wanted, facts({0, ENOENT, 0}));
+  EXPECT_EQ(find(lines, "a credential of the service?"), "warning");
+  EXPECT_FALSE(has_error(lines));
+  EXPECT_EQ(find(judge(wanted, facts({0, EACCES, 0})), "may not read it: Permission denied"), "error");
+  EXPECT_EQ(find(judge(wanted, facts({ENOENT, 0, 0})), "may not read it: No such file"), "error")
+      << "the configuration itself";
+  EXPECT_FALSE(lacks_credential(wanted, facts({0, ENOENT, 0}), {"/etc/x/line3.key"})) << "the password is not of TLS";
+  EXPECT_TRUE(lacks_credential(wanted, facts({0, 0, ENOENT}), {"/etc/x/ca.pem", "/etc/x/line3.key"}));
+  EXPECT_FALSE(lacks_credential(wanted, facts({0, 0, EACCES}), {"/etc/x/line3.key"}));
+  EXPECT_FALSE(lacks_credential(wanted, facts({}), {"/etc/x/line3.key"})) << "nothing could be tried";
 }
 
 }  // namespace

@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "daemon/demo_config.h"
 #include "daemon/temporary_directory.h"
 #include "tests/support/tshark.h"
 #include "tests/unit/daemon/demo_model.h"
 #include "tests/unit/daemon/demo_plant.h"
+#include "tests/unit/daemon/program.h"
 
 namespace gateway {
 namespace {
@@ -104,6 +106,26 @@ TEST_F(RecordingTest, OfATrippedDriveHoldsTenSecondsBeforeAndFiveAfterAndOpensIn
   for (std::size_t i = 0; i < lines.size(); ++i) {
     EXPECT_EQ(decoded[i].malformed, is_short_sdo_answer(lines[i])) << lines[i] << ": " << decoded[i].info;
   }
+}
+
+TEST_F(RecordingTest, OfATrippedDriveIsPutIntoWordsByTrace) {
+  loop_.advance(15s);
+  drives_[1]->fault(5);
+  loop_.advance(6s);
+  await([&] { return !alarm(1).record.empty(); });
+  const std::string log = (records() / alarm(1).record).string();
+  const test::TemporaryFile site(demo_config());
+  const auto trace = [&](const std::string& option) {
+    test::Program program(
+        {"trace", log, "--config", site.path(), "--profile-dir", GATEWAY_SOURCE_DIR "/config/profiles", option});
+    EXPECT_EQ(program.exit_code(), 0) << program.output();
+    return program.output();
+  };
+  const std::string words = trace("--kind=emcy");
+  EXPECT_THAT(words, testing::HasSubstr(" demo  085 pump1 "));
+  EXPECT_THAT(words, testing::HasSubstr(alarm(1).text));
+  EXPECT_EQ(std::ranges::count(words, '\n'), 1) << words;
+  EXPECT_EQ(trace("--raw"), text_of(alarm(1).record));
 }
 
 TEST_F(RecordingTest, NamesTheCommandsOfThatTime) {

@@ -3,12 +3,15 @@
 #include "bridges/mqtt/reach.h"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <future>
 #include <string>
 
 #include "tests/support/mosquitto.h"
+#include "tests/unit/mqtt/first_words.h"
 #include "tests/unit/mqtt/on_mosquitto.h"
 #include "tests/unit/mqtt/tiny_broker.h"
 
@@ -23,7 +26,10 @@ TEST(Reach, ABrokerThatLivesIsReachedAndOneThatStandsStillIsNot) {
   Mosquitto broker;
   ASSERT_TRUE(broker.start());
   const config::Endpoint at{"127.0.0.1", broker.port()};
-  EXPECT_TRUE(reaches(at, {"127.0.0.1"}, {}, 2s).good);
+  const Reach reach = reaches(at, {"127.0.0.1"}, {}, 2s);
+  EXPECT_TRUE(reach.good);
+  EXPECT_EQ(reach.manner, Manner::connack);
+  EXPECT_FALSE(speaks_tls(at, {"127.0.0.1"}, 2s));
   EXPECT_TRUE(takes_us(at, {"127.0.0.1"}, {.client_id = "a"}, 0, 2s).good);
   broker.freeze();
   EXPECT_FALSE(reaches(at, {"127.0.0.1"}, {}, 300ms).good);
@@ -34,6 +40,42 @@ TEST(Reach, ABrokerThatLivesIsReachedAndOneThatStandsStillIsNot) {
   broker.stop();
   EXPECT_FALSE(reaches(at, {"127.0.0.1"}, {}, 300ms).good);
   EXPECT_FALSE(reaches(at, {}, {}, 300ms).good);
+}
+
+// What a look for a broker comes to where this is said, and the connection closed.
+Reach reach_of(const std::string& words) {
+  const test::FirstWords port;
+  auto reach = std::async(std::launch::async, [at = config::Endpoint{"127.0.0.1", port.port()}] {
+    return reaches(at, {"127.0.0.1"}, {}, 10s);
+  });
+  const int client = port.take();
+  EXPECT_EQ(send(client, words.data(), words.size(), MSG_NOSIGNAL), static_cast<ssize_t>(words.size()));
+  shutdown(client, SHUT_WR);
+  Reach result = reach.get();
+  close(client);
+  return result;
+}
+
+TEST(Reach, WhatSpeaksAnotherProtocolIsNoBroker) {
+  const std::string tls_alert{0x15, 0x03, 0x01, 0x00, 0x02, 0x02, 0x46};
+  for (const std::string& words :
+       {std::string("SSH-2.0-OpenSSH_9.2p1\r\n"), std::string("HTTP/1.1 400\r\n"), tls_alert}) {
+    const Reach reach = reach_of(words);
+    EXPECT_FALSE(reach.good) << words;
+    EXPECT_EQ(reach.manner, Manner::foreign) << words;
+    EXPECT_EQ(reach.why, "what answers there is no MQTT broker");
+  }
+}
+
+TEST(Reach, WhatRefusesTheVersionLivesInWhateverManner) {
+  const std::string connack{0x20, 0x02, 0x00, 0x01};
+  const std::string disconnect{static_cast<char>(0xE0), 0x02, static_cast<char>(0x84), 0x00};
+  EXPECT_EQ(reach_of(connack).manner, Manner::connack);
+  EXPECT_EQ(reach_of(disconnect).manner, Manner::closes);
+  EXPECT_EQ(reach_of("").manner, Manner::closes);
+  for (const std::string& words : {connack, disconnect, std::string()}) {
+    EXPECT_TRUE(reach_of(words).good);
+  }
 }
 
 TEST(Reach, ATrialTellsWhyItWasRefused) {

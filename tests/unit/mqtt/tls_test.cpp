@@ -106,6 +106,10 @@ TEST_F(TlsTest, ABrokerIsLookedForAndTriedThroughTls) {
   const TlsFiles without{.ca = ours->file().string()};
   const ClientSettings us{.client_id = "line3", .tls = files};
   EXPECT_TRUE(reaches(at, {"127.0.0.1"}, files, 5s).good);
+  EXPECT_EQ(reaches(at, {"127.0.0.1"}, files, 5s).manner, Manner::connack);
+  const config::Endpoint plainly{.host = "localhost", .port = broker->port()};
+  EXPECT_NE(reaches(plainly, {"127.0.0.1"}, {}, 5s).manner, Manner::connack);
+  EXPECT_TRUE(speaks_tls(plainly, {"127.0.0.1"}, 5s));
   const Reach trial = takes_us(at, {"127.0.0.1"}, us, 0, 5s);
   EXPECT_TRUE(trial.good) << trial.why;
   const Reach refused = takes_us(at, {"127.0.0.1"}, {.client_id = "line3", .tls = without}, 0, 5s);

@@ -13,6 +13,7 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,8 +62,15 @@ class RecordBench {
     std::ofstream(records() / name) << text;
   }
 
+  /// A file where the directory of the records is to be.
+  void put_in_the_way() const {
+    std::filesystem::create_directories(state());
+    std::ofstream(records()) << "x";
+  }
+  void clear_the_way() const { std::filesystem::remove(records()); }
+
   /// What refuses; the others work.
-  enum class Call { none, write, sync, rename };
+  enum class Call { none, write, sync, rename, remove };
   [[nodiscard]] DiskCalls calls() {
     return {.write = [state = state_](int file, const char* bytes, std::size_t size) -> ssize_t {
               // As a disk that becomes full: a part is taken.
@@ -78,7 +86,19 @@ class RecordBench {
             .rename =
                 [state = state_](int directory, const char* from, const char* to) {
                   return state->refuses(Call::rename) ? -1 : ::renameat(directory, from, directory, to);
-                }};
+                },
+            .remove = [state = state_](int directory, const char* name) { return state->remove(directory, name); },
+            // The machine's own disk is nobody's business.
+            .space = [state = state_](int) { return state->space_left(); }};
+  }
+  void set_space(DiskCalls::Space space) {
+    const std::lock_guard lock(state_->mutex);
+    state_->space = space;
+  }
+  /// What refuses does so until a file is removed.
+  void accept_when_removed() {
+    const std::lock_guard lock(state_->mutex);
+    state_->accepts_when_removed = true;
   }
   void refuse(Call call, int error, std::size_t taken = 0) {
     const std::lock_guard lock(state_->mutex);
@@ -110,7 +130,21 @@ class RecordBench {
     Call refused = Call::none;
     int error = 0;
     std::size_t taken = 0;
+    std::optional<DiskCalls::Space> space;
+    bool accepts_when_removed = false;
 
+    std::optional<DiskCalls::Space> space_left() {
+      const std::lock_guard lock(mutex);
+      return space;
+    }
+    int remove(int directory, const char* name) {
+      if (refuses(Call::remove)) {
+        return -1;
+      }
+      const std::lock_guard lock(mutex);
+      refused = accepts_when_removed ? Call::none : refused;
+      return ::unlinkat(directory, name, 0);
+    }
     bool refuses(Call call) {
       std::unique_lock lock(mutex);
       hanging = hangs;
@@ -151,7 +185,7 @@ inline Record record_of(int seconds, int frames = 3, bool first = false, std::si
   alarm.count = 1;
   alarm.first = first;
   alarm.errors = {{0x2310, {1, 2}, "Overcurrent", config::Severity::fault, wall_at(seconds)}};
-  record.alarms.push_back({"pump1", alarms::AlarmKind::emcy, alarm});
+  record.alarms.push_back({"pump1", alarms::AlarmKind::emcy, alarm, alarm});
   record.commands = {R"({"writer":"local"})"};
   return record;
 }

@@ -108,6 +108,30 @@ TEST_F(RecordKeeperTest, GivesUpAfterAMinute) {
   EXPECT_EQ(kept_.size(), 1U);
 }
 
+TEST_F(RecordKeeperTest, ThatTheDirectoryCanBeReadIsNoEndOfAFullDisk) {
+  open_and_look();
+  bench_.refuse(Call::write, ENOSPC);
+  keeper_->post(record_of(0));
+  ASSERT_TRUE(loop_.run_until([&] { return changed_ == 2; }));
+  ASSERT_TRUE(tries(12));
+  ASSERT_EQ(keeper_->lost(), 1U);
+  ASSERT_TRUE(tries(1)) << "it looks, though nothing waits";
+  EXPECT_EQ(told_.size(), 2U) << told_.back();
+  bench_.accept();
+  keeper_->post(record_of(1));
+  ASSERT_TRUE(loop_.run_until([&] { return kept_.size() == 1; }));
+  expect_told(2, "records are kept again");
+}
+
+TEST_F(RecordKeeperTest, ADirectoryThatCanBeUsedAgainIsTold) {
+  bench_.put_in_the_way();
+  open_and_look();
+  expect_told(0, "Not a directory; records are not kept meanwhile");
+  bench_.clear_the_way();
+  ASSERT_TRUE(tries(1));
+  expect_told(1, "records are kept again");
+}
+
 TEST_F(RecordKeeperTest, ADiskThatHangsCostsTwoRecordsOfABusInMemory) {
   open_and_look();
   bench_.hang();
@@ -122,6 +146,16 @@ TEST_F(RecordKeeperTest, ADiskThatHangsCostsTwoRecordsOfABusInMemory) {
   expect_told(1, "does not answer; records are not kept meanwhile");
   bench_.go_on();
   ASSERT_TRUE(loop_.run_until([&] { return kept_.size() == 3; }));
+}
+
+TEST_F(RecordKeeperTest, LooksAgainWhereSomebodyFoundThatOneIsGone) {
+  bench_.put(stem_of(0) + ".log", "");
+  open_and_look();
+  std::filesystem::remove(bench_.records() / (stem_of(0) + ".log"));
+  ASSERT_TRUE(keeper_->knows(stem_of(0)));
+  keeper_->look();
+  ASSERT_TRUE(loop_.run_until([&] { return changed_ == 2; }));
+  EXPECT_FALSE(keeper_->knows(stem_of(0)));
 }
 
 TEST_F(RecordKeeperTest, TheEndWaitsForTheDisk) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,6 +62,33 @@ TEST_F(RecordReaderTest, ManyReadersGetTheirPieces) {
   for (std::size_t i = 0; i < texts.size(); ++i) {
     EXPECT_EQ(texts[i], std::string("0123456789").substr(i));
   }
+}
+
+// As a disk that hangs: the clock stands still, so nobody's patience ends.
+TEST_F(RecordReaderTest, TheEndWaitsForNoDisk) {
+  std::promise<void> go_on;
+  RecordReader hanging(loop_.executor(), bench_.records(),
+                       [goes_on = go_on.get_future().share()](const std::filesystem::path&, std::uint64_t) {
+                         goes_on.wait();
+                         return std::optional<std::string>("x");
+                       });
+  const auto read_of = [&hanging](std::optional<std::string>& text) -> boost::asio::awaitable<void> {
+    text = co_await hanging.read("x.log", 0);
+  };
+  std::vector<std::optional<std::string>> texts(3, "y");
+  std::vector<std::shared_ptr<bool>> ended;
+  for (std::size_t i = 0; i < 2; ++i) {
+    ended.push_back(loop_.start(read_of(texts[i])));
+  }
+  EXPECT_FALSE(*ended[0]);
+  hanging.stop();
+  ended.push_back(loop_.start(read_of(texts[2])));
+  loop_.hand().settle();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(*ended[i]) << i;
+    EXPECT_EQ(texts[i], std::nullopt);
+  }
+  go_on.set_value();
 }
 
 }  // namespace

@@ -55,9 +55,9 @@ TEST_F(RecordStoreTest, WhatIsThereIsListedAtTheNextStart) {
   ASSERT_EQ(again.open(), std::nullopt);
   const auto& records = again.records().all();
   ASSERT_EQ(records.size(), 2U);
-  EXPECT_EQ(records[0].stem(), stem_of(0));
+  EXPECT_EQ(records[0].stem, stem_of(0));
   EXPECT_EQ(records[0].summary, (RecordSummary{"can0", "pump1", true, 3, 1}));
-  EXPECT_EQ(records[1].stem(), stem_of(5));
+  EXPECT_EQ(records[1].stem, stem_of(5));
 }
 
 TEST_F(RecordStoreTest, RemovesWhatACrashLeftAndNothingElse) {
@@ -93,7 +93,7 @@ TEST_F(RecordStoreTest, TheOldestGoWhereAllAreTooMuch) {
     EXPECT_LE(store.records().size(), 8000U);
   }
   ASSERT_GE(store.records().all().size(), 2U);
-  EXPECT_EQ(store.records().all().back().stem(), stem_of(19));
+  EXPECT_EQ(store.records().all().back().stem, stem_of(19));
   EXPECT_EQ(bench_.names().size(), 2 * store.records().all().size());
 }
 
@@ -103,12 +103,12 @@ TEST_F(RecordStoreTest, ThoseThatCameFirstGoLast) {
   for (int second = 1; second < 20; ++second) {
     ASSERT_EQ(store.write(record_of(second, 60)), std::nullopt);
   }
-  EXPECT_EQ(store.records().all().front().stem(), stem_of(0));
-  EXPECT_EQ(store.records().all().back().stem(), stem_of(19));
+  EXPECT_EQ(store.records().all().front().stem, stem_of(0));
+  EXPECT_EQ(store.records().all().back().stem, stem_of(19));
   for (int second = 20; second < 40; ++second) {
     ASSERT_EQ(store.write(record_of(second, 60, true)), std::nullopt);
   }
-  EXPECT_NE(store.records().all().front().stem(), stem_of(0)) << "where all came first, the oldest goes";
+  EXPECT_NE(store.records().all().front().stem, stem_of(0)) << "where all came first, the oldest goes";
 }
 
 TEST_F(RecordStoreTest, NoLogIsLongerThanHalfOfWhatAllMayTake) {
@@ -172,7 +172,7 @@ TEST_F(RecordStoreTest, ThereAreNeverMoreThanAThousand) {
   RecordStore store = this->store(1'000'000'000);
   ASSERT_EQ(store.write(record_of(1004, 1)), std::nullopt);
   EXPECT_EQ(store.records().all().size(), StoredRecords::kMost);
-  EXPECT_EQ(store.records().all().front().stem(), stem_of(5));
+  EXPECT_EQ(store.records().all().front().stem, stem_of(5));
 }
 
 }  // namespace

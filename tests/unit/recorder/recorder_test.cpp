@@ -18,16 +18,29 @@ TEST_F(RecorderTest, HoldsTheFramesOfTenSecondsBeforeAndFiveAfter) {
   trip();
   run(10s);
   await_kept(1);
-  const std::vector<std::string> lines = lines_of(records()[0].stem());
+  const std::vector<std::string> lines = lines_of(records()[0].stem);
   ASSERT_EQ(lines.size(), 150U);
   EXPECT_EQ(lines.front(), "(1767323055.000000) can0 185#65");
   EXPECT_EQ(lines.back(), "(1767323069.900000) can0 185#FA");
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   EXPECT_EQ(json.at("ts").as_string(), "2026-01-02T03:04:25.000Z");
   EXPECT_EQ(json.at("from").as_string(), "2026-01-02T03:04:15.000Z");
   EXPECT_EQ(json.at("until").as_string(), "2026-01-02T03:04:30.000Z");
   EXPECT_EQ(json.at("frames").as_int64(), 150);
   EXPECT_TRUE(json.at("ended").is_null());
+}
+
+// All in-process buses have one interface: by that a log would be read with the drives of another.
+TEST_F(RecorderTest, AnInProcessBusIsNamedInItsLog) {
+  for (config::Bus& bus : model_.buses) {
+    bus.interface = config::kVirtualInterface;
+  }
+  start();
+  trip();
+  run(6s);
+  await_kept(1);
+  EXPECT_EQ(lines_of(records()[0].stem).front(), "(1767323045.000000) can0 185#01");
+  EXPECT_EQ(json_of(records()[0].stem).at("interface").as_string(), "can0");
 }
 
 TEST_F(RecorderTest, BeforeAndAfterAreAsConfigured) {
@@ -38,7 +51,7 @@ TEST_F(RecorderTest, BeforeAndAfterAreAsConfigured) {
   trip();
   run(1s);
   await_kept(1);
-  EXPECT_EQ(lines_of(records()[0].stem()).size(), 11U);
+  EXPECT_EQ(lines_of(records()[0].stem).size(), 11U);
 }
 
 TEST_F(RecorderTest, ARecordSoonAfterAnotherHasItsOwnTenSecondsBefore) {
@@ -50,18 +63,20 @@ TEST_F(RecorderTest, ARecordSoonAfterAnotherHasItsOwnTenSecondsBefore) {
   trip();
   run(6s);
   await_kept(2);
-  EXPECT_EQ(lines_of(records()[1].stem()).size(), 150U);
+  EXPECT_EQ(lines_of(records()[1].stem).size(), 150U);
 }
 
 TEST_F(RecorderTest, TheAlarmNamesItOnceItIsWhole) {
   start();
   trip();
-  run(4s);
+  bench_.hang();
+  run(5s);
+  bench_.await_hanging();
   EXPECT_EQ(plant_->bus_alarm(0).record, "");
-  run(1s);
+  bench_.go_on();
   const canopen::WallTime ts = plant_->bus_alarm(0).ts;
   await_kept(1);
-  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem() + ".log");
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
   EXPECT_EQ(plant_->bus_alarm(0).ts, ts);
   trip();
   EXPECT_EQ(plant_->bus_alarm(0).record, "") << "another activation has none yet";
@@ -74,7 +89,7 @@ TEST_F(RecorderTest, AnAlarmThatIsOverNamesItToo) {
   pass(5s);
   await_kept(1);
   EXPECT_FALSE(plant_->bus_alarm(0).active);
-  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem() + ".log");
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
 }
 
 TEST_F(RecorderTest, FaultsWithinARecordAreAddedToIt) {
@@ -84,12 +99,46 @@ TEST_F(RecorderTest, FaultsWithinARecordAreAddedToIt) {
   trip();
   run(3s);
   await_kept(1);
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   ASSERT_EQ(json.at("alarms").as_array().size(), 2U);
-  EXPECT_FALSE(json.at("alarms").at(0).at("alarm").at("active").as_bool()) << "as it was at the end";
-  EXPECT_TRUE(json.at("alarms").at(1).at("alarm").at("active").as_bool());
-  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem() + ".log");
-  EXPECT_EQ(lines_of(records()[0].stem()).size(), 50U) << "it ends when it was to";
+  EXPECT_TRUE(json.at("alarms").at(0).at("alarm").at("active").as_bool());
+  EXPECT_FALSE(json.at("alarms").at(0).at("at_end").at("active").as_bool());
+  EXPECT_TRUE(json.at("alarms").at(1).at("at_end").at("active").as_bool());
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[0].stem + ".log");
+  EXPECT_EQ(lines_of(records()[0].stem).size(), 50U) << "it ends when it was to";
+}
+
+// It is the record of the cause, and is to be kept longest.
+TEST_F(RecorderTest, AFirstFaultThatSoftensMeanwhileStaysTheFirst) {
+  start();
+  trip();
+  const std::string id = plant_->bus_alarm(0).id;
+  run(2s);
+  set_bus(canopen::BusCondition::passive);
+  ASSERT_EQ(plant_->bus_alarm(0).id, id);
+  ASSERT_FALSE(plant_->bus_alarm(0).first);
+  run(4s);
+  await_kept(1);
+  EXPECT_TRUE(records()[0].summary.first);
+  const boost::json::value alarm = json_of(records()[0].stem).at("alarms").at(0);
+  EXPECT_TRUE(alarm.at("alarm").at("first").as_bool());
+  EXPECT_EQ(alarm.at("alarm").at("severity").as_string(), "fault");
+  EXPECT_EQ(alarm.at("at_end").at("severity").as_string(), "warning");
+  EXPECT_EQ(json_of(records()[0].stem).at("alarms").as_array().size(), 1U);
+}
+
+TEST_F(RecorderTest, WhatTrippedADriveIsThereAlsoWhereItWasResetMeanwhile) {
+  start();
+  trip();
+  const std::string text = plant_->bus_alarm(0).errors.at(0).text;
+  run(2s);
+  set_bus(canopen::BusCondition::error_active);
+  ASSERT_TRUE(plant_->bus_alarm(0).errors.empty());
+  run(4s);
+  await_kept(1);
+  const boost::json::value alarm = json_of(records()[0].stem).at("alarms").at(0);
+  EXPECT_EQ(alarm.at("alarm").at("errors").at(0).at("text").as_string(), text);
+  EXPECT_TRUE(alarm.at("at_end").at("errors").as_array().empty());
 }
 
 TEST_F(RecorderTest, EachBusHasItsOwn) {
@@ -99,9 +148,9 @@ TEST_F(RecorderTest, EachBusHasItsOwn) {
   trip(1);
   run(6s);
   await_kept(2);
-  EXPECT_EQ(json_of(records()[0].stem()).at("bus").as_string(), "can0");
-  EXPECT_EQ(json_of(records()[1].stem()).at("bus").as_string(), "can1");
-  EXPECT_EQ(lines_of(records()[1].stem()).size(), 0U);
+  EXPECT_EQ(json_of(records()[0].stem).at("bus").as_string(), "can0");
+  EXPECT_EQ(json_of(records()[1].stem).at("bus").as_string(), "can1");
+  EXPECT_EQ(lines_of(records()[1].stem).size(), 0U);
   EXPECT_TRUE(records()[0].summary.first);
   EXPECT_FALSE(records()[1].summary.first);
 }
@@ -114,8 +163,8 @@ TEST_F(RecorderTest, TwoOfOneMomentHaveTwoNames) {
   ASSERT_TRUE(recorder_->request(1, "can0", "alice").has_value());
   pass(6s);
   await_kept(2);
-  EXPECT_EQ(records()[0].stem(), "20260102T030405.000Z-can0-request");
-  EXPECT_EQ(records()[1].stem(), "20260102T030405.001Z-can0-request");
+  EXPECT_EQ(records()[0].stem, "20260102T030405.000Z-can0-request");
+  EXPECT_EQ(records()[1].stem, "20260102T030405.001Z-can0-request");
 }
 
 TEST_F(RecorderTest, WarningsAreNotRecorded) {
@@ -127,6 +176,7 @@ TEST_F(RecorderTest, WarningsAreNotRecorded) {
   set_bus(canopen::BusCondition::bus_off);
   pass(6s);
   await_kept(1);
+  EXPECT_EQ(records()[0].stem, "20260102T030415.000Z-can0-bus") << "that of the fault";
 }
 
 TEST_F(RecorderTest, AnAlarmOfBeforeTheStartIsNotRecorded) {
@@ -142,6 +192,7 @@ TEST_F(RecorderTest, AnAlarmOfBeforeTheStartIsNotRecorded) {
   trip();
   pass(6s);
   await_kept(1);
+  EXPECT_EQ(records()[0].stem, "20260102T030415.000Z-can0-bus") << "that of the one after the start";
 }
 
 TEST_F(RecorderTest, ADriveThatIsLostIsRecordedByItsName) {
@@ -154,10 +205,10 @@ TEST_F(RecorderTest, ADriveThatIsLostIsRecordedByItsName) {
   await_kept(2);
   EXPECT_EQ(records()[0].name.subject, "pump1");
   EXPECT_EQ(records()[0].name.kind, "heartbeat");
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   EXPECT_EQ(json.at("drive").as_string(), "pump1");
   EXPECT_EQ(json.at("alarms").at(0).at("kind").as_string(), "heartbeat");
-  EXPECT_EQ(plant_->drive(0).alarm(alarms::AlarmKind::heartbeat).record, records()[0].stem() + ".log");
+  EXPECT_EQ(plant_->drive(0).alarm(alarms::AlarmKind::heartbeat).record, records()[0].stem + ".log");
   const auto stopped = loop_.start(plant_->stop());
   ASSERT_TRUE(loop_.run_until([&] { return *stopped; }));
 }
@@ -167,13 +218,26 @@ TEST_F(RecorderTest, WaitsForFramesThatStillComeWhereTheLoopLagsBehind) {
   lag_ = 300ms;
   trip();
   run(5s);
-  EXPECT_TRUE(loop_.hand().advance_until([&] { return infos_.empty(); }, 1s));
   run(100ms);
   recorder_->ring(0).on_frame({support::frame(0x285), canopen::Clock::now() - 200ms, canopen::wall_now() - 200ms},
                               canopen::FrameOrigin::others);
   run(1s);
   await_kept(1);
-  EXPECT_NE(bench_.text_of(records()[0].stem() + ".log").find(" 285#00\n"), std::string::npos);
+  EXPECT_NE(bench_.text_of(records()[0].stem + ".log").find(" 285#00\n"), std::string::npos);
+}
+
+TEST_F(RecorderTest, AFaultBehindTheEndOfOneThatStillWaitsHasItsOwn) {
+  start();
+  lag_ = 300ms;
+  trip();
+  run(5100ms);
+  ASSERT_TRUE(records().empty());
+  trip();
+  run(6s);
+  await_kept(2);
+  EXPECT_EQ(records()[1].stem, "20260102T030410.100Z-can0-bus");
+  EXPECT_EQ(json_of(records()[0].stem).at("alarms").as_array().size(), 1U);
+  EXPECT_EQ(plant_->bus_alarm(0).record, records()[1].stem + ".log");
 }
 
 TEST_F(RecorderTest, LostFramesAreTold) {
@@ -185,7 +249,7 @@ TEST_F(RecorderTest, LostFramesAreTold) {
   trip();
   run(6s);
   await_kept(1);
-  const boost::json::value json = json_of(records()[0].stem());
+  const boost::json::value json = json_of(records()[0].stem);
   EXPECT_EQ(json.at("frames_lost").as_int64(), 10);
   EXPECT_EQ(json.at("gaps").as_array().size(), 2U);
   EXPECT_EQ(json.at("gaps").at(0).at("ts").as_string(), "2026-01-02T03:04:06.000Z");
@@ -215,6 +279,18 @@ TEST_F(RecorderTest, AnAlarmNamesNoRecordThatIsGone) {
   ASSERT_TRUE(recorder_->request(1, "", "alice").has_value());
   pass(6s);
   ASSERT_TRUE(loop_.run_until([&] { return plant_->bus_alarm(0).record.empty(); }));
+}
+
+TEST_F(RecorderTest, AnAlarmNamesNoRecordWhoseLogSomebodyRemoved) {
+  start();
+  trip();
+  pass(6s);
+  await_kept(1);
+  ASSERT_TRUE(std::filesystem::remove(bench_.records() / plant_->bus_alarm(0).record));
+  recorder_->look_again();
+  ASSERT_TRUE(loop_.run_until([&] { return records().empty(); }));
+  EXPECT_EQ(plant_->bus_alarm(0).record, "");
+  EXPECT_TRUE(bench_.names().empty());
 }
 
 }  // namespace

@@ -68,6 +68,29 @@ TEST_F(BurstMeterTest, WithoutABitRateOrAFrameThereIsNone) {
   EXPECT_FALSE(unknown.of_day(1));
 }
 
+TEST_F(BurstMeterTest, OneOfAnotherBitRateIsForgotten) {
+  hear(0ms);
+  hear(1ms);
+  hear(1s);
+  hear(1ms);
+  hear(1ms);
+  meter_.set_bitrate(500'000);
+  EXPECT_EQ(told().frames, 2U);
+  EXPECT_NEAR(static_cast<double>(told().time.count()), 1e6, 2e3);
+}
+
+TEST_F(BurstMeterTest, TheLastOneOfASilentBusIsForgottenAfterADayToo) {
+  hear(0ms);
+  hear(1ms);
+  meter_.settle(moment_.at + 500ms, 1);
+  hear(1ms);
+  EXPECT_EQ(told().frames, 3U) << "it goes on";
+  meter_.settle(moment_.at + 2s, 1);
+  meter_.settle(moment_.at + 1h, 2);
+  EXPECT_EQ(meter_.of_day(25)->frames, 3U);
+  EXPECT_FALSE(meter_.of_day(26));
+}
+
 TEST_F(BurstMeterTest, IsForgottenAfterADay) {
   hear(0ms);
   hear(1ms);

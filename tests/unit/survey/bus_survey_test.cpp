@@ -1,77 +1,18 @@
 #include "canopen/survey/bus_survey.h"
 
 #include <gmock/gmock.h>
-#include <linux/can/error.h>
 
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "canopen/bus/bus.h"
-#include "tests/support/bus_fixture.h"
-#include "tests/support/frame.h"
+#include "tests/unit/survey/surveyed_bus.h"
 
 namespace canopen {
 namespace {
 
 using namespace std::chrono_literals;
 using support::frame;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using test::kNode;
 using testing::IsEmpty;
 
-constexpr std::uint8_t kNode = 5;
-constexpr std::uint8_t kOperational = 5;
-
-class BusSurveyTest : public testing::Test {
- protected:
-  BusSurveyTest()
-      : bus_(loop_.executor(), std::make_unique<support::HandLink>(events_), support::kQuiet),
-        survey_(loop_.executor(), bus_,
-                {.known = [this] { return known_; },
-                 .began = [this](const Suspicion& began) { told_.push_back("began: " + began.text()); },
-                 .ended = [this](const Suspicion& ended) { told_.push_back("ended: " + ended.text()); }}) {
-    known_.served.set(kNode);
-    survey_.set_timeout(kNode, 2s);
-    bus_.start();
-    survey_.start();
-    be({.condition = BusCondition::error_active});
-  }
-  ~BusSurveyTest() override { survey_.stop(); }
-
-  void be(const BusState& state) { events_->on_bus_state(state); }
-  static Received now(const Frame& frame) { return {frame, Clock::now(), wall_now()}; }
-  void hear(const Frame& heard) {
-    const Received received = now(heard);
-    events_->on_frames({&received, 1});
-  }
-  void error(unsigned kind, std::uint32_t classes = CAN_ERR_PROT | CAN_ERR_BUSERROR) {
-    Frame frame{.id = classes, .size = 8, .error = true};
-    frame.data[2] = static_cast<std::uint8_t>(kind);
-    events_->on_error_frame(now(frame), ErrorSign::other);
-  }
-  /// A TPDO each 20 ms, a heartbeat each 500 ms.
-  void traffic(Duration time) {
-    for (int i = 0; i < time / 20ms; ++i) {
-      if (i % 25 == 0) {
-        hear(frame(0x705, kOperational));
-      }
-      hear(frame(0x185));
-      loop_.advance(20ms, 20ms);
-    }
-  }
-  [[nodiscard]] std::string kind() const {
-    const BusHealth health = survey_.health();
-    return health.suspicion ? std::string(name_of(health.suspicion->kind)) : "none";
-  }
-
-  support::HandDrivenLoop loop_;
-  LinkEvents* events_ = nullptr;
-  BusSurvey::Known known_;
-  std::vector<std::string> told_;
-  Bus bus_;
-  BusSurvey survey_;
-};
+class BusSurveyTest : public test::SurveyedBus {};
 
 TEST_F(BusSurveyTest, OfACleanBusThereAreFiguresAndNoSuspicion) {
   loop_.advance(1s);
@@ -122,6 +63,27 @@ TEST_F(BusSurveyTest, LostFramesAndABusThatWasAwayAreNoGapOfADrive) {
   EXPECT_LT(survey_.health().nodes[0].worst_margin().value(), 0.25) << "this one is its own";
 }
 
+TEST_F(BusSurveyTest, ADriveThatWasOffHasNoPeriodAcrossThat) {
+  traffic(3s);
+  loop_.advance(1900ms);
+  hear(frame(0x705, 0));
+  traffic(3s);
+  loop_.advance(500ms);
+  hear(frame(0x705, 4));  // Stopped.
+  loop_.advance(1s);
+  traffic(3s);
+  known_.served.reset(kNode);
+  loop_.advance(30min, 1min);
+  known_.served.set(kNode);
+  traffic(3s);
+  ASSERT_EQ(survey_.periods().size(), 2U);
+  EXPECT_LT(survey_.periods()[0].worst, 21ms);
+  EXPECT_LT(survey_.periods()[1].worst, 501ms);
+  loop_.advance(700ms);
+  traffic(1s);
+  EXPECT_GT(survey_.periods()[0].worst, 700ms) << "this one is its own";
+}
+
 TEST_F(BusSurveyTest, CountersAndErrorsOfADay) {
   traffic(2s);
   be({.condition = BusCondition::error_active, .transmit_errors = 8, .receive_errors = 40});
@@ -137,103 +99,6 @@ TEST_F(BusSurveyTest, CountersAndErrorsOfADay) {
   EXPECT_EQ(survey_.health().receive_errors, (Extremes{0, 0}));
   EXPECT_EQ(survey_.health().errors, (Extremes{1, 1})) << "no further frame came";
   EXPECT_FALSE(survey_.health().nodes[0].longest_gap);
-}
-
-TEST_F(BusSurveyTest, WhereNothingWasEverReadableTheBitRateIsSuspected) {
-  for (int i = 0; i < 5; ++i) {
-    error(CAN_ERR_PROT_STUFF);
-    error(CAN_ERR_PROT_FORM);
-    be({.condition = BusCondition::passive, .receive_errors = 130});
-    loop_.advance(1s);
-  }
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_THAT(told_[0], HasSubstr("began: the bit rate may be wrong"));
-  EXPECT_THAT(told_[0], HasSubstr("here 125000 bit/s"));
-  be({.condition = BusCondition::error_active});
-  traffic(30s);
-  EXPECT_EQ(kind(), "bit_rate") << "it is not forgotten at once";
-  traffic(40s);
-  EXPECT_EQ(kind(), "none");
-  EXPECT_EQ(told_.size(), 2U);
-  EXPECT_THAT(told_[1], HasSubstr("ended: the bit rate may be wrong"));
-}
-
-TEST_F(BusSurveyTest, WhereErrorsComeWithFramesTheWiringIsSuspected) {
-  traffic(5s);
-  for (int i = 0; i < 10; ++i) {
-    error(i % 2 == 0 ? CAN_ERR_PROT_STUFF : CAN_ERR_PROT_BIT);
-    traffic(500ms);
-  }
-  traffic(3s);
-  EXPECT_THAT(told_, ElementsAre(HasSubstr("began: wiring or termination may be bad: 10 errors in the last minute")));
-  traffic(10min);
-  EXPECT_EQ(kind(), "wiring") << "it comes and goes";
-  traffic(2min);
-  EXPECT_EQ(kind(), "none");
-  EXPECT_EQ(told_.size(), 2U);
-}
-
-TEST_F(BusSurveyTest, AControllerThatComesAndGoesIsSuspectedToo) {
-  const auto stumble = [this] {
-    be({.condition = BusCondition::warning, .receive_errors = 100});
-    be({.condition = BusCondition::passive, .receive_errors = 130});
-    be({.condition = BusCondition::error_active});
-    traffic(60s);
-  };
-  traffic(1s);
-  stumble();
-  stumble();
-  EXPECT_EQ(kind(), "none");
-  stumble();
-  EXPECT_EQ(kind(), "wiring");
-}
-
-TEST_F(BusSurveyTest, WhatOthersKnowIsSaid) {
-  traffic(2s);
-  known_.doubled = DoubledSign{.node = kNode, .text = "two devices answer"};
-  traffic(4s);
-  EXPECT_EQ(kind(), "doubled_id");
-  known_.doubled.reset();
-  known_.troubles.overload = true;
-  traffic(20s);
-  EXPECT_EQ(kind(), "overload");
-  EXPECT_THAT(told_.back(), HasSubstr("the most frequent COB-ID is 0x185, every"));
-  known_.troubles = {};
-  traffic(70s);
-  EXPECT_EQ(kind(), "none");
-}
-
-TEST_F(BusSurveyTest, WhoIsSilentForAMinuteIsNotTheBusiest) {
-  for (int i = 0; i < 10; ++i) {
-    hear(frame(0x18F));
-    loop_.advance(1ms);
-  }
-  loop_.advance(61s, 1s);
-  known_.troubles.overload = true;
-  traffic(4s);
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_THAT(told_[0], HasSubstr("COB-ID is 0x185"));
-}
-
-TEST_F(BusSurveyTest, WhereNobodyAcknowledgesItSaysSo) {
-  known_.troubles.transmit = TransmitTrouble::not_acknowledged;
-  be({.condition = BusCondition::passive, .transmit_errors = 128});
-  for (int i = 0; i < 5; ++i) {
-    error(0, CAN_ERR_ACK);
-    loop_.advance(1s);
-  }
-  EXPECT_EQ(kind(), "alone");
-  EXPECT_EQ(survey_.health().suspected_since, wall_now() - 2s);
-}
-
-TEST_F(BusSurveyTest, AnInterfaceThatComesBackIsLookedAtAnew) {
-  traffic(2s);
-  be({.condition = BusCondition::down});
-  loop_.advance(20s);
-  be({.condition = BusCondition::error_active});
-  be({.condition = BusCondition::passive, .receive_errors = 135});
-  loop_.advance(4s);
-  EXPECT_EQ(kind(), "bit_rate") << "what was heard was before";
 }
 
 TEST_F(BusSurveyTest, WithoutABitRateThereIsNoLoadAndNoBurst) {

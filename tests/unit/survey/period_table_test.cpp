@@ -50,6 +50,21 @@ TEST_F(PeriodTableTest, AGapInWhichFramesWereLostIsNotTheDrives) {
   EXPECT_LT(told[0].worst, 11ms);
 }
 
+TEST_F(PeriodTableTest, AcrossABreakOfItsNodeThereIsNoPeriod) {
+  constexpr std::uint32_t kOfAnother = 0x186;
+  hear(kTpdo, 0ms);
+  hear(kOfAnother, 0ms);
+  table_.break_node(5);
+  hear(kTpdo, 10h);
+  hear(kOfAnother, 0ms);
+  hear(kTpdo, 10ms);
+  const std::vector<PeriodHealth> told = table_.of_day(1);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0].period.count, 1U);
+  EXPECT_LT(told[0].worst, 11ms);
+  EXPECT_GT(told[1].worst, 1h) << "its node had no break";
+}
+
 TEST_F(PeriodTableTest, WhatComesWhenItLikesHasNoPeriod) {
   for (const std::uint32_t cob_id : {0x000U, 0x085U, 0x585U, 0x605U, 0x800U, 0x1FFFFFFFU}) {
     hear(cob_id, 1ms);

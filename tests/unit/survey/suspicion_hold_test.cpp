@@ -15,6 +15,7 @@ class SuspicionHoldTest : public testing::Test {
     const auto judged = kind ? std::optional(Suspicion{.kind = *kind, .seen = {}, .look = {}}) : std::nullopt;
     SuspicionHold::Change change = hold_.look(judged, now_, WallTime(now_.time_since_epoch()));
     began_ += change.began ? 1 : 0;
+    displaced_ += change.displaced ? 1 : 0;
     ended_ += change.ended ? 1 : 0;
     return change;
   }
@@ -30,6 +31,7 @@ class SuspicionHoldTest : public testing::Test {
   SuspicionHold hold_;
   TimePoint now_{1h};
   int began_ = 0;
+  int displaced_ = 0;
   int ended_ = 0;
 };
 
@@ -74,7 +76,8 @@ TEST_F(SuspicionHoldTest, OneThatExplainsMoreTakesItsPlaceAtOnce) {
   look(SuspicionKind::doubled_id, 2);
   EXPECT_EQ(standing(), SuspicionKind::wiring);
   const SuspicionHold::Change change = look(SuspicionKind::doubled_id);
-  EXPECT_EQ(change.ended->kind, SuspicionKind::wiring);
+  EXPECT_FALSE(change.ended) << "nobody knows whether its reason is gone";
+  EXPECT_EQ(change.displaced->kind, SuspicionKind::wiring);
   EXPECT_EQ(change.began->kind, SuspicionKind::doubled_id);
 }
 
@@ -85,7 +88,38 @@ TEST_F(SuspicionHoldTest, OneThatExplainsLessWaits) {
   look(SuspicionKind::wiring);
   EXPECT_EQ(standing(), SuspicionKind::wiring);
   EXPECT_EQ(began_, 2);
+  EXPECT_EQ(displaced_, 1);
+  EXPECT_EQ(ended_, 0);
+}
+
+TEST_F(SuspicionHoldTest, KindsThatAlternateAreToldOnceAMinuteAndKeepTheirAge) {
+  look(SuspicionKind::wiring, 3);
+  const WallTime wiring_since = hold_.since();
+  look(SuspicionKind::alone, 3);
+  const WallTime alone_since = hold_.since();
+  EXPECT_NE(alone_since, wiring_since);
+  for (int i = 0; i < 10; ++i) {
+    look(SuspicionKind::wiring, 12);
+    EXPECT_EQ(standing(), SuspicionKind::wiring);
+    EXPECT_EQ(hold_.since(), wiring_since);
+    look(SuspicionKind::alone, 3);
+    EXPECT_EQ(hold_.since(), alone_since);
+  }
+  EXPECT_EQ(began_, 2 + 2 + 2) << "150 s";
+  EXPECT_EQ(began_, displaced_ + 1);
+  look(std::nullopt, 60);
   EXPECT_EQ(ended_, 1);
+  look(SuspicionKind::alone, 3);
+  EXPECT_NE(hold_.since(), alone_since) << "it had ended";
+}
+
+TEST_F(SuspicionHoldTest, WhereThereIsNothingToLookAtItIsDropped) {
+  look(SuspicionKind::wiring, 3);
+  EXPECT_EQ(hold_.drop()->kind, SuspicionKind::wiring);
+  EXPECT_FALSE(standing());
+  EXPECT_FALSE(hold_.drop());
+  look(SuspicionKind::wiring, 3);
+  EXPECT_EQ(began_, 2);
 }
 
 TEST_F(SuspicionHoldTest, TheNewestWordsStand) {

@@ -74,10 +74,12 @@ TEST(Suspicion, BitRateWhereNothingWasEverReadableAndMuchDisturbs) {
   EXPECT_EQ(kind_of(signs), "bit_rate");
   EXPECT_EQ(
       judge(signs)->text(),
-      "the bit rate may be wrong: no frame was received since the interface came up; the controller is "
+      "the bit rate may be wrong: no frame was received since the gateway opened the interface; the controller is "
       "error-passive (0 transmit, 135 receive errors); 57 errors in the last minute (31 form, 26 stuff). Look "
       "first at the bit rate, here 250000 bit/s, and that of each drive; then at CAN_H and CAN_L that are swapped "
-      "or touch each other");
+      "or touch each other, and where the bus worked before at its cable, plugs and terminators");
+  signs.saw_it_come_up = true;
+  EXPECT_THAT(judge(signs)->seen, HasSubstr("since the interface came up; "));
   signs.lately = signs.minute = {};
   EXPECT_EQ(kind_of(signs), "bit_rate") << "few drivers tell of single errors";
   signs.state = {.condition = BusCondition::bus_off};

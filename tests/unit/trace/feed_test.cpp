@@ -44,6 +44,13 @@ class TraceFeed : public testing::Test {
     more_ = reader.take(most, [&](const Entry& entry) { told.push_back(words_of(model_, entry)); });
     return told;
   }
+  std::size_t count_all(Feed::Reader& reader) {
+    std::size_t count = 0;
+    do {
+      count += take(reader).size();
+    } while (more_);
+    return count;
+  }
 
   support::HandDrivenLoop loop_;
   config::Model model_ = test::site();
@@ -88,6 +95,7 @@ TEST_F(TraceFeed, WhileNobodyReadsItDoesNothing) {
 TEST_F(TraceFeed, ASlowReaderLosesTheOldestAndTheyAreCounted) {
   const auto slow = reader();
   const auto slow_and_choosy = reader({.kinds = "emcy"});
+  const auto of_another_bus = reader({.names = "can1"});
   const auto quick = reader();
   hear(0x085, 5);
   std::size_t taken = 0;
@@ -100,11 +108,45 @@ TEST_F(TraceFeed, ASlowReaderLosesTheOldestAndTheyAreCounted) {
   EXPECT_EQ(quick->take_lost(), 0U);
   EXPECT_EQ(slow->take_lost(), 10U);
   EXPECT_EQ(slow->take_lost(), 0U) << "told once";
-  EXPECT_EQ(slow_and_choosy->take_lost(), 1U) << "only of what it wanted";
-  EXPECT_EQ(take(*slow, count).size(), Feed::kKept);
-  EXPECT_THAT(take(*slow_and_choosy), IsEmpty());
+  EXPECT_EQ(slow_and_choosy->take_lost(), 10U) << "whether it wanted them nobody looked";
+  EXPECT_EQ(count_all(*slow), Feed::kKept);
+  EXPECT_EQ(count_all(*slow_and_choosy), 0U);
   hear(0x085, 6);
   EXPECT_EQ(take(*slow_and_choosy).size(), 1U) << "it goes on";
+  EXPECT_EQ(slow->take_lost(), 0U) << "it has taken all before";
+  EXPECT_EQ(count_all(*of_another_bus), 0U);
+  EXPECT_EQ(of_another_bus->take_lost(), 11U) << "counted though take() passed over them";
+}
+
+// Nothing of it passes: that keeps nobody waiting.
+TEST_F(TraceFeed, OnePieceLooksAtSoManyFrames) {
+  const auto choosy = reader({.kinds = "emcy"});
+  for (std::size_t i = 0; i < 2 * Feed::Reader::kMostLooked; ++i) {
+    hear(0x705, 5);
+  }
+  hear(0x085, 5);
+  EXPECT_THAT(take(*choosy), IsEmpty());
+  EXPECT_TRUE(more_);
+  EXPECT_THAT(take(*choosy), IsEmpty());
+  EXPECT_TRUE(more_);
+  EXPECT_EQ(take(*choosy).size(), 1U);
+  EXPECT_FALSE(more_);
+  for (std::size_t i = 0; i < Feed::Reader::kMostLooked; ++i) {
+    hear(0x705, 5);
+  }
+  EXPECT_THAT(take(*choosy), IsEmpty());
+  EXPECT_FALSE(more_) << "that was all";
+}
+
+// As where the program is unwound by an exception.
+TEST_F(TraceFeed, AReaderMayOutliveIt) {
+  const auto one = reader();
+  const auto two = reader();
+  hear(0x705, 5);
+  feed_.reset();
+  EXPECT_THAT(take(*one), IsEmpty());
+  EXPECT_FALSE(more_);
+  EXPECT_EQ(two->take_lost(), 0U);
 }
 
 }  // namespace

@@ -47,10 +47,25 @@ TEST_F(TraceFilter, KindsAndIdentifiers) {
   EXPECT_FALSE(shows({.kinds = "sdo,emcy"}, "185#01"));
   EXPECT_TRUE(shows({.cob_ids = "0x185,285"}, "185#01"));
   EXPECT_FALSE(shows({.cob_ids = "0x185"}, "285#01"));
+  EXPECT_FALSE(shows({.cob_ids = "0x185"}, "00000185#01")) << "29 bits are another identifier";
   EXPECT_FALSE(shows({.cob_ids = "0x040"}, "20000040#")) << "it has no identifier";
   EXPECT_FALSE(shows({.names = "pump1", .kinds = "sdo"}, "185#01"));
   EXPECT_FALSE(shows({.names = "pump1", .kinds = "pdo"}, "182#01"));
   EXPECT_TRUE(shows({.kinds = "error"}, "20000040#"));
+}
+
+// A list as long as a line may be: to look for a frame's identifier in it costs no more than in one of two.
+TEST_F(TraceFilter, IdentifiersAreASet) {
+  std::string cob_ids;
+  for (int i = 0; i < 4000; ++i) {
+    cob_ids += "0,7FF,";
+  }
+  const Filter filter = make_filter(bus_.model(), {.cob_ids = cob_ids}).value();
+  ASSERT_TRUE(filter.cob_ids);
+  EXPECT_EQ(filter.cob_ids->count(), 2U);
+  EXPECT_TRUE(passes(bus_.model(), filter, bus_.hear("7FF#01")));
+  EXPECT_TRUE(passes(bus_.model(), filter, bus_.hear("000#0105")));
+  EXPECT_FALSE(passes(bus_.model(), filter, bus_.hear("7FE#01")));
 }
 
 TEST_F(TraceFilter, LostFramesMayHaveBeenOfAnyDriveOfTheirBus) {

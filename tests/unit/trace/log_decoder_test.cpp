@@ -74,6 +74,25 @@ TEST_F(TraceLog, RawAndChosen) {
                                   "(1767323045.000005) can0 585#4B21200285130000"));
 }
 
+TEST_F(TraceLog, OfInProcessBusesIsToldByTheirNames) {
+  model_.buses[0].interface = model_.buses[1].interface = config::kVirtualInterface;
+  LogDecoder log = decoder();
+  log.take(
+      "(1767323045.000001) can1 706#7F\n"
+      "(1767323045.000001) can0 705#05\n"
+      "(1767323045.000001) virtual 705#05\n");
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("winder1"), HasSubstr("pump1"), HasSubstr("node 5")))
+      << "what names each of them names none";
+}
+
+TEST_F(TraceLog, AnInterfaceGoesBeforeTheNameOfAnotherBus) {
+  model_.buses[0].name = "can1";
+  model_.buses[1].name = "can0";
+  LogDecoder log = decoder();
+  log.take("(1767323045.000001) can0 705#05\n");
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("pump1")));
+}
+
 TEST_F(TraceLog, WhereThereIsOneBusAllFramesAreOfIt) {
   model_.buses.pop_back();
   model_.drives.pop_back();

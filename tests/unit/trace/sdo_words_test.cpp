@@ -71,6 +71,36 @@ TEST(TraceSdo, SegmentsBelongToTheTransferBeforeThem) {
   EXPECT_EQ(bus.words("582#0041433331302D56"), "fan1 SDO: answer: an object that was not seen: segment of 7 bytes");
 }
 
+// Said twice: it counts once.
+TEST(TraceSdo, ASegmentThatComesAgainIsNoPartOfTheValue) {
+  Listener bus;
+  (void)bus.words("605#4009100000000000");
+  (void)bus.words("585#410910000A000000");
+  (void)bus.words("605#6000000000000000");
+  (void)bus.words("585#0041433331302D56");
+  EXPECT_EQ(bus.words("585#0041433331302D56"), "pump1 SDO: answer: not understood: 00 41 43 33 31 30 2D 56");
+  (void)bus.words("605#7000000000000000");
+  EXPECT_EQ(bus.words("585#19312E3100000000"),
+            "pump1 SDO: answer: 0x1009:00 hardware version: last segment, 10 bytes in all: \"AC310-V1.1\"");
+  EXPECT_EQ(bus.words("585#19312E3100000000"), "pump1 SDO: answer: not understood: 19 31 2E 31 00 00 00 00");
+  (void)bus.words("605#2110200108000000");
+  (void)bus.words("605#0001020304050607");
+  (void)bus.words("605#0001020304050607");
+  EXPECT_EQ(bus.words("605#1D08000000000000"),
+            "pump1 SDO: write 0x2010:01: last segment, 8 bytes in all: a value of 8 bytes: 01 02 03 04 05 06 07 08");
+}
+
+// As in a log of which a line is missing.
+TEST(TraceSdo, OfAValueWithoutOneOfItsSegmentsNothingIsTold) {
+  Listener bus;
+  (void)bus.words("605#4009100000000000");
+  (void)bus.words("585#4109100015000000");
+  (void)bus.words("585#0041433331302D56");
+  EXPECT_EQ(bus.words("585#0042433331302D56"), "pump1 SDO: answer: not understood: 00 42 43 33 31 30 2D 56");
+  EXPECT_EQ(bus.words("585#1143433331302D56"),
+            "pump1 SDO: answer: an object that was not seen: last segment of 7 bytes");
+}
+
 TEST(TraceSdo, WritesInSegments) {
   Listener bus;
   EXPECT_EQ(bus.words("605#2110200108000000"), "pump1 SDO: write 0x2010:01: 8 bytes follow in segments");

@@ -35,6 +35,9 @@ TEST(TraceWords, HeartbeatsAndGuarding) {
   EXPECT_EQ(bus.words("705#R"), "pump1 guarding: asked for its state (guarding)");
   EXPECT_EQ(bus.words("705#85"), "pump1 guarding: operational (answer to guarding, toggle 1)");
   EXPECT_EQ(bus.words("705#05"), "pump1 heartbeat: operational") << "nobody asked";
+  (void)bus.words("705#R1");
+  EXPECT_EQ(bus.words("705#00"), "pump1 heartbeat: boot-up") << "of a drive that was away while it was asked";
+  EXPECT_EQ(bus.words("705#7F"), "pump1 heartbeat: pre-operational");
 }
 
 TEST(TraceWords, SyncAndWhatElseThereIs) {
@@ -124,7 +127,10 @@ TEST(TraceWords, ALineForTheTerminalMarksOurOwnFrames) {
             "03:04:05.678123 can0 !               error     bus-off");
   const Entry lost = bus.decoder().lose(3, canopen::WallTime{});
   EXPECT_EQ(line_of(bus.model(), lost).text,
-            "3 frames were lost before this one: the kernel's buffer ran over, since they were not read in time");
+            "at least 3 frames were lost here, in the controller or between it and the gateway");
+  EXPECT_EQ(line_of(bus.model(), bus.decoder().lose(1, canopen::WallTime{})).text,
+            "at least 1 frame was lost here, in the controller or between it and the gateway")
+      << "an overrun of the controller is one frame at least";
   std::string json;
   text::ObjectText object(json);
   append_members(object, own);

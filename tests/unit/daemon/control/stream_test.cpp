@@ -150,6 +150,40 @@ TEST_F(ControlStream, ASlowReaderIsToldNothingFurtherAndDelaysNobody) {
   EXPECT_GE(lines, told);
 }
 
+// The status of a large plant: it goes where nothing else waits, and answers have their room beside it.
+TEST_F(ControlStream, ALineLongerThanWhatMayWaitClosesNothing) {
+  RawClient& client = connect();
+  source_.line = "{\"id\":7,\"filling\":\"" + std::string(2 * Connection::kMaxWaiting, 'x') + "\"}\n";
+  EXPECT_EQ(client.send(kTrace), kTrace.size());
+  loop_.advance(1s, 50ms);
+  EXPECT_EQ(source_.told, 1U) << "the next one only once this has left";
+  EXPECT_GT(client.send("{\"id\":8,\"op\":\"status\"}\n"), 0U);
+  loop_.settle();
+  std::vector<std::string> lines;
+  for (int i = 0; i < 1000 && lines.size() < 3; ++i) {
+    source_.line.clear();
+    for (std::string& line : client.lines()) {
+      lines.push_back(std::move(line));
+    }
+    loop_.settle();
+  }
+  EXPECT_FALSE(client.ended());
+  EXPECT_THAT(lines, ElementsAre(kBegun, SizeIs(testing::Gt(2 * Connection::kMaxWaiting)), "{\"id\":8}"));
+}
+
+TEST_F(ControlStream, ItsIdIsShortSinceEachLineHasIt) {
+  RawClient& client = connect();
+  const std::string longer(Connection::kMaxStreamId - 1, 'i');
+  EXPECT_THAT(ask(client, "{\"id\":\"" + longer + "\",\"op\":\"trace\"}\n"),
+              ElementsAre(AllOf(HasSubstr(longer), HasSubstr("\"code\":\"type\""), HasSubstr("longer than 64 bytes"))));
+  EXPECT_EQ(source_.open, 0);
+  EXPECT_THAT(ask(client, "{\"id\":\"" + longer + "\",\"op\":\"set\",\"drive\":\"a\",\"values\":{\"b\":1}}\n"),
+              ElementsAre(HasSubstr(longer)))
+      << "an answer has it once";
+  EXPECT_THAT(ask(client, "{\"id\":\"" + longer.substr(1) + "\",\"op\":\"trace\"}\n"),
+              ElementsAre(HasSubstr("\"stream\":true")));
+}
+
 TEST_F(ControlStream, MakesRoomForWhoeverComes) {
   for (std::size_t i = 0; i < Server::kMaxClients; ++i) {
     EXPECT_THAT(ask(connect(), kTrace), ElementsAre(kBegun));

@@ -127,7 +127,7 @@ TEST_F(TracedPlant, ASlowReaderLosesFramesCounted) {
     loop_.advance(50ms);
   }
   EXPECT_GT(lost, 0U);
-  EXPECT_EQ(told + lost, kFrames) << "each is told or counted";
+  EXPECT_GE(told + lost, kFrames) << "each is told or counted, and what was lost of others";
   EXPECT_FALSE(slow.ended());
 }
 

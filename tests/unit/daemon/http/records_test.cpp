@@ -7,7 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/recorder/record_reader.h"
 #include "bridges/recorder/stored_records.h"
+#include "daemon/http/server.h"
+#include "daemon/http/waiting_bytes.h"
 #include "daemon/http/wire.h"
 #include "tests/unit/daemon/http/server_site.h"
 #include "tests/unit/daemon/http/shown_plant.h"
@@ -151,6 +154,20 @@ TEST_F(HttpRecordFile, OneThatIsGoneEndsTheConnectionShort) {
   EXPECT_THAT(answer, HasSubstr("Content-Length: 20\r\n"));
   EXPECT_THAT(answer, EndsWith("\r\n\r\n0123456789"));
   EXPECT_EQ(server_->figures().clients, 0U);
+}
+
+// Pieces are never refused, so all that there can be leave room for answers of others.
+TEST(HttpRecordPieces, OfAllClientsLeaveRoomForOthers) {
+  WaitingBytes waiting;
+  const auto one = boost::asio::ip::make_address("192.168.1.1");
+  const auto other = boost::asio::ip::make_address("192.168.1.2");
+  ASSERT_LE(recorder::RecordReader::kPiece, WaitingBytes::kSmall);
+  for (std::size_t i = 0; i < Server::kMaxClients / 2; ++i) {
+    waiting.add(one, recorder::RecordReader::kPiece);
+    waiting.add(other, recorder::RecordReader::kPiece);
+  }
+  EXPECT_TRUE(waiting.has_room(one, 0, WaitingBytes::kMostOfAddress / 2));
+  EXPECT_TRUE(waiting.has_room(boost::asio::ip::make_address("192.168.1.3"), 0, WaitingBytes::kMost / 2));
 }
 
 TEST_F(HttpRecordFile, HeadReadsNothing) {
