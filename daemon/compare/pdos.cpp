@@ -62,7 +62,7 @@ std::optional<std::vector<Raw>> mapping_found(DriveView& view, const SetupItem& 
   std::vector<Raw> found;
   for (Raw sub = 1; sub <= number; ++sub) {
     const canopen::ObjectAddress object{first.object.index, static_cast<std::uint8_t>(sub)};
-    const Reading entry = view.read(object, first.type, first.name);
+    const Reading entry = view.read(object, canopen::DataType::u32, first.name);
     if (entry.kind == Reading::Kind::absent) {
       view.note(level, fmt::format("{} {}: the drive does not have it, although sub 0 says {}",
                                    canopen::to_string(object), first.name, number));
