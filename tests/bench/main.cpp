@@ -28,7 +28,8 @@ int main(int argc, char** argv) {
       bench::frames(argv[2]);
     } else {
       std::fputs(
-          "usage: gateway_bench modbus | mqtt | latency | storm | readers | buses | survey | recorder | frames INTERFACE\n",
+          "usage: gateway_bench modbus | mqtt | latency | storm | readers | buses | survey | recorder | frames "
+          "INTERFACE\n",
           stderr);
       return 2;
     }
