@@ -67,7 +67,7 @@ expect_match "an answer outside of answers/#" '"code":"forbidden"' "$(cat "$work
 expect_match "stop" '"ok":true' "$(as scada change-me-3 mosquitto_rr -V 5 -W 5 -t "$topics/stop" -e answers/scada/2 -m 1)"
 
 say "what listens, and where the password is not"
-gateway_process=$(ss -Htnp state established "dport = :$broker_port" | sed -n 's/.*"canopen-gateway",pid=\([0-9]*\),.*/\1/p')
+gateway_process=$(ss -Htnp state established "dport = :$broker_port" | sed -n 's/.*"[a-z_-]*",pid=\([0-9]*\),.*/\1/p')
 expect_match "the gateway" '^[0-9]+$' "$gateway_process"
 expect "what it listens on" "" "$(ss -Hltunp | grep "pid=$gateway_process,")"
 as dashboard change-me-2 mosquitto_sub -t 'canopen/#' --retained-only -W 2 >"$work/kept" 2>/dev/null
