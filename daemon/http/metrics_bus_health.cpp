@@ -51,8 +51,8 @@ void add_drive_health(Families& families, const Site& site, const process::Drive
     margin.add({{"drive", name}}, *worst);
   }
   if (node.answers.count > 0) {
-    answers.add({{"drive", name}, {"quantile", "0.5"}}, seconds_of(node.answers.p50));
-    answers.add({{"drive", name}, {"quantile", "0.99"}}, seconds_of(node.answers.p99));
+    answers.add({{"drive", name}, {"percentile", "50"}}, seconds_of(node.answers.p50));
+    answers.add({{"drive", name}, {"percentile", "99"}}, seconds_of(node.answers.p99));
   }
   families.take(std::move(margin));
   families.take(std::move(answers));

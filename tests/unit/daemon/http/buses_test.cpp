@@ -80,7 +80,7 @@ TEST_F(HttpBuses, TheMetricsAreFew) {
   }
   EXPECT_THAT(told, ContainsRegex("canopen_gateway_drive_heartbeat_margin_ratio.drive=\"pump1\". 0[.][0-9]+\n"));
   EXPECT_THAT(told,
-              ContainsRegex("canopen_gateway_drive_sdo_answer_seconds.drive=\"pump1\",quantile=\"0.5\". [0-9.e-]+\n"));
+              ContainsRegex("canopen_gateway_drive_sdo_answer_seconds.drive=\"pump1\",percentile=\"50\". [0-9.e-]+\n"));
   EXPECT_THAT(told, Not(HasSubstr("0x185"))) << "no series of a COB-ID";
 }
 
