@@ -72,17 +72,17 @@ TEST_F(RecordReaderTest, TheEndWaitsForNoDisk) {
                          goes_on.wait();
                          return std::optional<std::string>("x");
                        });
-  const auto read_of = [&hanging](std::optional<std::string>& text) -> boost::asio::awaitable<void> {
-    text = co_await hanging.read("x.log", 0);
+  const auto read_by = [](RecordReader& reader, std::optional<std::string>& text) -> boost::asio::awaitable<void> {
+    text = co_await reader.read("x.log", 0);
   };
   std::vector<std::optional<std::string>> texts(3, "y");
   std::vector<std::shared_ptr<bool>> ended;
   for (std::size_t i = 0; i < 2; ++i) {
-    ended.push_back(loop_.start(read_of(texts[i])));
+    ended.push_back(loop_.start(read_by(hanging, texts[i])));
   }
   EXPECT_FALSE(*ended[0]);
   hanging.stop();
-  ended.push_back(loop_.start(read_of(texts[2])));
+  ended.push_back(loop_.start(read_by(hanging, texts[2])));
   loop_.hand().settle();
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_TRUE(*ended[i]) << i;
