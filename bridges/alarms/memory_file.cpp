@@ -1,7 +1,6 @@
 #include "bridges/alarms/memory_file.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +9,8 @@
 #include <cstdio>
 #include <system_error>
 #include <utility>
+
+#include "bridges/disk/own_directory.h"
 
 namespace alarms {
 namespace {
@@ -33,31 +34,19 @@ MemoryFile::MemoryFile(std::filesystem::path directory, MemoryCalls calls)
     : directory_(std::move(directory)), calls_(std::move(calls)) {}
 
 MemoryFile::Failure MemoryFile::open() {
-  if (lock_ && !is_another_directory()) {
+  if (lock_ && !disk::is_another_directory(lock_, directory_)) {
     return std::nullopt;
   }
   lock_.reset();
   if (mkdir(directory_.c_str(), 0750) != 0 && errno != EEXIST) {
     return failed("cannot make " + directory_.string());
   }
-  disk::Descriptor directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!directory) {
-    return failed("cannot open " + directory_.string());
+  disk::OwnDirectory own = disk::take_directory(directory_);
+  if (!own.lock) {
+    return own.problem;
   }
-  if (flock(directory.get(), LOCK_EX | LOCK_NB) != 0) {
-    return errno == EWOULDBLOCK ? directory_.string() + " is in use by another process"
-                                : failed("cannot lock " + directory_.string());
-  }
-  lock_ = std::move(directory);
+  lock_ = std::move(own.lock);
   return std::nullopt;
-}
-
-// Somebody moved or removed it: what is locked is not what the path names.
-bool MemoryFile::is_another_directory() const {
-  struct stat locked{};
-  struct stat named{};
-  return fstat(lock_.get(), &locked) != 0 || stat(directory_.c_str(), &named) != 0 || locked.st_dev != named.st_dev ||
-         locked.st_ino != named.st_ino;
 }
 
 MemoryFile::Failure MemoryFile::read(std::optional<std::string>& text) {

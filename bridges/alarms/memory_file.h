@@ -47,7 +47,6 @@ class MemoryFile {
   static constexpr std::size_t kMaxSize = 64UL * 1024 * 1024;
 
  private:
-  [[nodiscard]] bool is_another_directory() const;
   [[nodiscard]] Failure write_new(const std::filesystem::path& path, std::string_view text);
 
   std::filesystem::path directory_;

@@ -1,7 +1,6 @@
 #include "bridges/journal/store.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "bridges/disk/own_directory.h"
 #include "bridges/journal/tail.h"
 
 namespace journal {
@@ -87,15 +87,11 @@ Store::Failure Store::open_directory() {
       return fail("cannot make " + path.string());
     }
   }
-  disk::Descriptor directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!directory) {
-    return fail("cannot open " + directory_.string());
+  disk::OwnDirectory own = disk::take_directory(directory_);
+  if (!own.lock) {
+    return own.problem;
   }
-  if (flock(directory.get(), LOCK_EX | LOCK_NB) != 0) {
-    return errno == EWOULDBLOCK ? directory_.string() + " is in use by another process"
-                                : fail("cannot lock " + directory_.string());
-  }
-  lock_ = std::move(directory);
+  lock_ = std::move(own.lock);
   return std::nullopt;
 }
 

@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/disk/own_directory.h"
 #include "bridges/recorder/candump.h"
 
 namespace recorder {
@@ -72,7 +72,7 @@ Failure RecordStore::open() {
 }
 
 Failure RecordStore::use_directory() {
-  if (!lock_ || is_another_directory()) {
+  if (!lock_ || disk::is_another_directory(lock_, directory_)) {
     lock_.reset();
     records_ = {};
     if (Failure failure = take_directory()) {
@@ -92,24 +92,12 @@ Failure RecordStore::take_directory() {
       return failure;
     }
   }
-  disk::Descriptor directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!directory) {
-    return failed("cannot open " + directory_.string());
+  disk::OwnDirectory own = disk::take_directory(directory_);
+  if (!own.lock) {
+    return own.problem;
   }
-  if (flock(directory.get(), LOCK_EX | LOCK_NB) != 0) {
-    return errno == EWOULDBLOCK ? directory_.string() + " is in use by another process"
-                                : failed("cannot lock " + directory_.string());
-  }
-  lock_ = std::move(directory);
+  lock_ = std::move(own.lock);
   return std::nullopt;
-}
-
-// Somebody moved or removed it: what is locked is not what the path names.
-bool RecordStore::is_another_directory() const {
-  struct stat locked{};
-  struct stat named{};
-  return fstat(lock_.get(), &locked) != 0 || stat(directory_.c_str(), &named) != 0 || locked.st_dev != named.st_dev ||
-         locked.st_ino != named.st_ino;
 }
 
 // Somebody may have removed some of them, to gain room, say: before each record it is seen what there is.

@@ -40,7 +40,6 @@ class RecordStore {
   [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
 
  private:
-  [[nodiscard]] bool is_another_directory() const;
   /// open(), but for what is too much.
   [[nodiscard]] Failure use_directory();
   [[nodiscard]] Failure take_directory();

@@ -40,7 +40,7 @@ struct Answer {
   bool stream = false;                   ///< Events follow, for as long as the client stays.
   /// Begins them, of a stream that is this reader's own; none: those of all readers, see LiveSource.
   std::function<std::unique_ptr<EventSource>()> events{};
-  bool come_again = false;         ///< Refused for now: the same request may be answered some seconds later.
+  bool come_again = false;         ///< There is too much to do: `Retry-After` tells when to ask the same again.
   std::string_view allow{};        ///< The methods that there are; empty: not told.
   std::string attachment{};        ///< A browser is to save it by this name; empty: it is shown.
   std::optional<FileBody> file{};  ///< In place of `body`.

@@ -1,17 +1,12 @@
 // What `check --live` says of the simulated drives of the demo, and of drives and configurations that differ.
-#include "daemon/compare/compare.h"
 
 #include <gmock/gmock.h>
 
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "daemon/control/plant_service.h"
-#include "tests/support/spawn.h"
-#include "tests/unit/daemon/demo_model.h"
-#include "tests/unit/daemon/demo_plant.h"
+#include "tests/unit/daemon/compare/live_comparison.h"
 
 namespace gateway::compare {
 namespace {
@@ -19,78 +14,11 @@ namespace {
 using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::Contains;
-using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 using testing::StartsWith;
-
-constexpr std::size_t kFan = 0;    // veichi-ac300, node 3
-constexpr std::size_t kPump = 1;   // veichi-ac310, node 5
-constexpr std::size_t kHoist = 2;  // invt-goodrive600, node 7
-constexpr std::size_t kMixer = 3;  // vacon-opte6, node 9
-
-config::Model quiet_demo() {
-  config::Model model = test::demo_model();
-  model.modbus.reset();
-  model.mqtt.reset();
-  model.http.reset();
-  model.gateway.control.clear();
-  return model;
-}
-
-class LiveComparison : public test::DemoPlant {
- protected:
-  LiveComparison() : DemoPlant(quiet_demo()), configured_(model_), notes_(test::demo_loaded().notes) { begin_plant(); }
-  ~LiveComparison() override { end_plant(); }
-
-  std::optional<std::string> ask(const std::string& request) {
-    ++asked_;
-    control::Line line = control::parse_line(request);
-    EXPECT_TRUE(line.request.has_value()) << request;
-    const auto answer = support::spawn(loop_.executor(), service_.answer({.request = std::move(line.request.value()),
-                                                                          .id = line.id,
-                                                                          .user = "anna",
-                                                                          .received = canopen::Clock::now()}));
-    EXPECT_TRUE(loop_.advance_until([&] { return answer.done(); }, 20s)) << request;
-    return answer.done() ? std::optional(answer.get()) : std::nullopt;
-  }
-  Comparison look() {
-    const auto running = read_running(ask(R"({"op":"status"})").value());
-    return compare(configured_, notes_, running.value(), [this](const std::string& request) { return ask(request); });
-  }
-  std::vector<std::string> findings() {
-    std::vector<std::string> lines;
-    for (const config::Finding& finding : look().findings) {
-      lines.push_back(to_string(finding));
-    }
-    return lines;
-  }
-  // Sets an object of a simulated drive as somebody at its keypad would.
-  void set(std::size_t drive, simulator::Address address, std::uint32_t value) {
-    simulator::Object* const object = drives_[drive]->dictionary().find(address);
-    ASSERT_NE(object, nullptr);
-    ASSERT_EQ(simulator::ObjectDictionary::write(*object, value), simulator::Abort::none);
-  }
-  [[nodiscard]] canopen::BootResult letter_of(std::size_t drive) {
-    return gateway_.plant().drive(drive).status().boot_result;
-  }
-  // Powers it off and on, until its boot has ended with a letter.
-  void boot_again(std::size_t drive) {
-    drives_[drive]->power_off();
-    loop_.advance(5s, 5ms);
-    drives_[drive]->power_on();
-    ASSERT_TRUE(loop_.advance_until([&] { return is_letter(letter_of(drive)); }, 30s));
-    ASSERT_FALSE(gateway_.plant().drive(drive).status().online);
-  }
-  canopen::NodeSettings& node(std::size_t drive) { return configured_.drives[drive].node; }
-
-  config::Model configured_;  ///< What `check` reads; the gateway runs model_.
-  std::vector<config::DriveNotes> notes_;
-  control::Service service_ = control::plant_service(gateway_.plant());
-  std::size_t asked_ = 0;
-};
 
 TEST_F(LiveComparison, FindsNothingWhereAllIsAsConfigured) {
   const Comparison comparison = look();
@@ -115,8 +43,6 @@ TEST_F(LiveComparison, OnlyReads) {
 }
 
 // ---- Differences of each kind: of the drive, or of the configuration beside it.
-
-using LiveDifference = LiveComparison;
 
 TEST_F(LiveDifference, OfIdentity) {
   node(kMixer).identity = {.device_type = 0x00010192, .vendor = 0x2F, .product = 0};
@@ -176,47 +102,6 @@ TEST_F(LiveDifference, OfGuardingThatIsWanted) {
                     Contains(HasSubstr("error: 0x100D:00 life time factor: expected 3, found 0")), SizeIs(3)));
 }
 
-TEST_F(LiveDifference, OfTheCommunicationOfAPdo) {
-  canopen::PdoSettings& tpdo = node(kMixer).tpdos.front();
-  tpdo.cob_id = 0x199;
-  tpdo.transmission_type = 1;
-  tpdo.event_timer = 1000;
-  tpdo.inhibit_time = 2000;
-  EXPECT_THAT(
-      findings(),
-      ElementsAre(
-          StartsWith("drive \"mixer1\": error: 0x1800:01 TPDO1 COB-ID: expected 0x199, found 0x"),
-          StartsWith(
-              "drive \"mixer1\": error: 0x1800:02 TPDO1 transmission type: expected 1, found 255; the gateway writes"),
-          StartsWith(
-              "drive \"mixer1\": error: 0x1800:03 TPDO1 inhibit time: expected 2000, found 100; the gateway writes"),
-          StartsWith(
-              "drive \"mixer1\": error: 0x1800:05 TPDO1 event timer: expected 1000, found 100; the gateway writes")));
-}
-
-TEST_F(LiveDifference, OfTheMappingOfAPdo) {
-  auto& mapping = node(kMixer).rpdos.front().mapping;
-  std::swap(mapping[0], mapping[1]);
-  EXPECT_THAT(findings(), ElementsAre(StartsWith("drive \"mixer1\": error: 0x1600 RPDO1 mapping: expected 0x6042:00 16 "
-                                                 "bit, 0x6040:00 16 bit, found 0x6040:00 16 bit, 0x6042:00 16 bit; "
-                                                 "the gateway writes it when it configures the drive")));
-}
-
-TEST_F(LiveDifference, OfAMappingThatIsOnlyCompared) {
-  node(kMixer).tpdos.front().mapping_policy = canopen::SetupPolicy::verify;
-  node(kMixer).tpdos.front().mapping.pop_back();
-  EXPECT_THAT(findings(), ElementsAre(AllOf(StartsWith("drive \"mixer1\": error: 0x1A00 TPDO1 mapping: expected "
-                                                       "0x6041:00 16 bit, found 0x6041:00 16 bit, 0x6044:00 16 bit"),
-                                            HasSubstr("; the gateway only compares it: change it in the drive"))));
-}
-
-TEST_F(LiveDifference, OfAMappingThatIsTakenForGranted) {
-  node(kHoist).tpdos.front().mapping.front().object = {0x2000, 0x09};
-  EXPECT_THAT(findings(), ElementsAre(AllOf(StartsWith("drive \"hoist1\": warning: 0x1A01 TPDO2 mapping: expected "
-                                                       "0x2000:09 16 bit, "),
-                                            HasSubstr("the gateway takes it for granted as configured"))));
-}
-
 TEST_F(LiveDifference, OfASetupObject) {
   node(kMixer).setup.push_back({{0x1019, 0}, canopen::DataType::u8, 10});
   EXPECT_THAT(
@@ -273,57 +158,6 @@ TEST_F(LiveDifference, OfALetterWhoseCauseIsNotRead) {
 }
 
 // ---- Drives whose boot ended with a letter: they are there, but not online.
-
-TEST_F(LiveDifference, OfAMappingThatTheDriveDoesNotHave) {
-  drives_[kMixer]->misbehaviour().absent = {{0x1A00, {}}};
-  const std::string same =
-      "0x1A00:00 TPDO1 mapping: the drive does not have it, so what this PDO holds is not known; where the manual "
-      "tells it, `mapping = \"assume\"`";
-  EXPECT_THAT(findings(), ElementsAre("drive \"mixer1\": error: " + same)) << "before the boot that will say so";
-  boot_again(kMixer);
-  const std::vector<std::string> found = findings();
-  ASSERT_THAT(found, Contains("drive \"mixer1\": error: " + same));
-  EXPECT_EQ(found.front(), "drive \"mixer1\": error: boot J: " + same);
-}
-
-TEST_F(LiveDifference, OfAPdoThatTheDriveDoesNotHave) {
-  drives_[kMixer]->misbehaviour().absent = {{0x1800, {}}};
-  EXPECT_THAT(findings(), ElementsAre(HasSubstr("error: 0x1A00:00 TPDO1 mapping: the drive does not have it")));
-  node(kMixer).tpdos.front().mapping_policy = canopen::SetupPolicy::verify;
-  EXPECT_THAT(findings(), IsEmpty()) << "what is documented is taken for granted";
-}
-
-TEST_F(LiveDifference, OfAnEventTimerThatSomebodyReliesOn) {
-  drives_[kMixer]->misbehaviour().absent = {{0x1400, 5}};
-  canopen::PdoSettings& rpdo = node(kMixer).rpdos.front();
-  rpdo.event_timer = 500;
-  rpdo.event_timer_required = false;
-  EXPECT_THAT(findings(), IsEmpty());
-  rpdo.event_timer_required = true;
-  EXPECT_THAT(findings(), ElementsAre("drive \"mixer1\": error: 0x1400:05 RPDO1 event timer: the drive does not have "
-                                      "it, so it would not notice that commands cease"));
-}
-
-TEST_F(LiveDifference, OfAMappedObjectThatIsCountedAndNotThere) {
-  drives_[kMixer]->misbehaviour().absent = {{0x1A00, 2}};
-  EXPECT_THAT(findings(), ElementsAre("drive \"mixer1\": error: 0x1A00:02 TPDO1 mapping: the drive does "
-                                      "not have it, although sub 0 says 2"));
-}
-
-TEST_F(LiveDifference, OfAMultiplexedPdo) {
-  const auto running = read_running(ask(R"({"op":"status"})").value());
-  const Comparison comparison =
-      compare(configured_, notes_, running.value(), [this](const std::string& request) -> std::optional<std::string> {
-        if (request.find(R"("mixer1","object":"0x1A00:00")") != std::string::npos) {
-          return R"({"id":1,"ok":true,"value":254})";
-        }
-        return ask(request);
-      });
-  ASSERT_THAT(comparison.findings, SizeIs(1));
-  EXPECT_THAT(to_string(comparison.findings.front()),
-              HasSubstr("error: 0x1A00 TPDO1 mapping: expected 0x6041:00 16 bit, 0x6044:00 16 bit, found 254 objects "
-                        "(254 and 255: multiplexed); the gateway writes it"));
-}
 
 TEST_F(LiveComparison, ALimitIsNotAsConfiguredWhereNoneIs) {
   const Comparison before = look();
@@ -405,58 +239,6 @@ TEST_F(LiveComparison, NamesTheDrivesForWhichThereWasNoTime) {
     EXPECT_THAT(to_string(finding), AllOf(HasSubstr("warning: does not answer, so the rest of it was not compared"),
                                           HasSubstr("the gateway did not answer")));
   }
-}
-
-// ---- Answers of whoever listens there.
-
-TEST(ReadRunning, TakesNoOtherAnswer) {
-  for (const std::string text : {"", "hello", "[]", "{}", R"({"ok":true})", R"({"status":[]})", R"({"status":{}})",
-                                 R"({"status":{"drives":5}})"}) {
-    EXPECT_FALSE(read_running(text).has_value()) << text;
-  }
-  EXPECT_TRUE(read_running(R"({"status":{"drives":[1,{}]}})").has_value());
-}
-
-Reading read_answer(const std::string& answer, canopen::DataType type = canopen::DataType::u16) {
-  return read_object([&](const std::string&) { return std::optional(answer); }, "pump1", {0x2001, 2}, type);
-}
-
-TEST(ReadObject, AsksForItOnceAndTakesItsNumber) {
-  std::vector<std::string> requests;
-  const Reading reading = read_object(
-      [&](const std::string& request) {
-        requests.push_back(request);
-        return std::optional<std::string>(R"({"id":1,"ok":true,"value":-2})");
-      },
-      "pump1", {0x2001, 0x0B}, canopen::DataType::i16);
-  EXPECT_THAT(requests, ElementsAre(R"({"id":1,"op":"sdo-read","drive":"pump1","object":"0x2001:0B","type":"i16"})"));
-  EXPECT_EQ(reading.kind, Reading::Kind::value);
-  EXPECT_EQ(canopen::to_number(canopen::DataType::i16, reading.raw), -2.0);
-}
-
-TEST(ReadObject, TakesAnotherWidthAsBytes) {
-  const Reading reading = read_object(
-      [](const std::string& request) {
-        return std::optional<std::string>(request.find("bytes") == std::string::npos
-                                              ? R"({"id":1,"ok":false,"code":"protocol","error":"wrong length"})"
-                                              : R"({"id":1,"ok":true,"value":"F4010000"})");
-      },
-      "pump1", {0x1017, 0}, canopen::DataType::u16);
-  EXPECT_EQ(reading.kind, Reading::Kind::value);
-  EXPECT_EQ(reading.raw, 500U);
-}
-
-TEST(ReadObject, TellsWhyThereIsNoValue) {
-  using Kind = Reading::Kind;
-  EXPECT_EQ(read_answer(R"({"ok":false,"code":"refused","abort":"0x06020000"})").kind, Kind::absent);
-  EXPECT_EQ(read_answer(R"({"ok":false,"code":"refused","abort":"0x06090011"})").kind, Kind::absent);
-  EXPECT_EQ(read_answer(R"({"ok":false,"code":"refused","abort":"0x06010001","error":"x"})").reason, "x");
-  EXPECT_EQ(read_answer(R"({"ok":false,"code":"refused","abort":"0x06010001"})").kind, Kind::unreadable);
-  EXPECT_EQ(read_answer(R"({"ok":false,"code":"timeout"})").kind, Kind::silent);
-  EXPECT_EQ(read_answer(R"({"ok":false,"code":"offline"})").kind, Kind::silent);
-  EXPECT_EQ(read_answer(R"({"ok":true,"value":"AC310"})").kind, Kind::unreadable);
-  EXPECT_EQ(read_answer(R"({"ok":true})").kind, Kind::unreadable);
-  EXPECT_EQ(read_answer("hello").kind, Kind::silent);
 }
 
 }  // namespace
