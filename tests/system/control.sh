@@ -32,6 +32,9 @@ wait_until 10 "the gateway serves" grep -q ' serves ' "$work/gateway.err"
 start_four_drives
 wait_until 10 "all four drives online" all_online
 expect "mode of the socket" 660 "$(stat -c %a "$socket")"
+# A margin is known once two heartbeats of a drive were compared.
+has_margin() { ask_gateway status | grep -q 'heartbeat margin'; }
+wait_until 10 "the bus shows its heartbeat margin" has_margin
 table=$(ask_gateway status)
 expect_match "the table names the gateway" '^gateway line3 ' "$table"
 expect_match "and the bus" '^bus can0  error-active  load [0-9.]+ %  heartbeat margin [0-9]+ % \([a-z0-9]+\)$' "$table"
