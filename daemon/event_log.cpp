@@ -24,11 +24,11 @@ void EventLog::on_commanded(const process::Drive& drive, std::span<const process
 void EventLog::on_status(const process::Drive& drive) {
   const canopen::NodeStatus& status = drive.status();
   Told& told = told_[drive.index()];
-  if (told.online == status.online && told.nmt == status.nmt) {
+  if (told.online == status.online && told.nmt == status.nmt_now()) {
     return;
   }
-  told = {status.online, status.nmt};
-  spdlog::info("{}: {}, {}", drive.model().name, status.online ? "online" : "offline", canopen::name_of(status.nmt));
+  told = {status.online, status.nmt_now()};
+  spdlog::info("{}: {}, {}", drive.model().name, status.online ? "online" : "offline", canopen::name_of(status.nmt_now()));
 }
 
 void EventLog::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {

@@ -158,7 +158,7 @@ void DriveAlarms::on_status(const canopen::NodeStatus& status, canopen::WallTime
     if (!status.online) {
       decide(AlarmKind::emcy);  // As it was: who is missing tells no more.
     }
-    const bool lives = status.online && status.nmt == canopen::NmtState::operational;
+    const bool lives = status.online && status.nmt_now() == canopen::NmtState::operational;
     if (!lives && !outlives_absence(alarm(AlarmKind::data).reason)) {
       decide(AlarmKind::data);
     }

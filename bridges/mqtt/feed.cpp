@@ -33,7 +33,7 @@ canopen::TimePoint Feed::mark_values(std::span<const process::SignalId> signals,
 
 canopen::TimePoint Feed::mark_status(canopen::TimePoint now) {
   const canopen::NodeStatus& status = drive_.status();
-  if (online_ == status.online && nmt_ == status.nmt) {
+  if (online_ == status.online && nmt_ == status.nmt_now()) {
     return canopen::TimePoint::max();  // counters and the result of the boot are on no topic
   }
   pace_.note_state();
@@ -104,7 +104,7 @@ void Feed::collect_state(canopen::TimePoint now, std::vector<Message>& out) {
   }
   out.push_back({.topic = topics_.state, .payload = state_json(drive_, pace_, now), .expiry = expiry_of(settings_)});
   const process::Image& image = drive_.image();
-  nmt_ = drive_.status().nmt;
+  nmt_ = drive_.status().nmt_now();
   fresh_ = image.all_fresh(now);
   if (!settings_.signals) {
     for (std::size_t i = 0; i < topics_.signals.size(); ++i) {

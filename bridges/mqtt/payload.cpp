@@ -48,7 +48,7 @@ std::string state_json(const process::Drive& drive, const Pace& pace, std::optio
   text::ObjectText object(out);
   object.text("ts", ts ? std::optional(text::timestamp(*ts)) : std::nullopt);
   object.boolean("online", now && drive.status().online);
-  object.text("nmt", canopen::name_of(now ? drive.status().nmt : canopen::NmtState::unknown));
+  object.text("nmt", canopen::name_of(now ? drive.status().nmt_now() : canopen::NmtState::unknown));
   object.boolean("fresh", now && drive.image().all_fresh(*now));
   append_values(object.key("values"), drive, pace, now);
   object.close();

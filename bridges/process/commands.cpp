@@ -155,7 +155,7 @@ awaitable<Outcome> Commands::send_nmt(PendingCommand& command, canopen::NmtComma
   refused = refused ? refused : refuse_lease(command);
   refused = refused ? refused : refuse_out_of_service();
   if (!refused && node_.status().boot_result != canopen::BootResult::left_alone) {
-    refused = refuse_nmt(nmt, running());
+    refused = refuse_nmt(nmt, running_since_commanded());
   }
   if (refused) {
     co_return *std::move(refused);
@@ -321,7 +321,7 @@ awaitable<Commands::Refusal> Commands::await_turn(PendingCommand& command) {
 }
 
 awaitable<Commands::Refusal> Commands::refuse_nmt_now(canopen::NmtCommand command) {
-  std::optional<bool> runs = running();
+  std::optional<bool> runs = running_since_commanded();
   const bool matters = command != canopen::NmtCommand::start && !model_.commands.nmt_while_running;
   if (!runs && matters && node_.status().boot_result == canopen::BootResult::left_alone) {
     runs = co_await node_.motor_runs();  // Nothing that it sends can be trusted, but it answers.

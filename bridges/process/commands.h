@@ -181,6 +181,8 @@ class Commands {
   void on_void();
   /// Whether the motor runs; nothing where nobody can tell.
   [[nodiscard]] std::optional<bool> running() const;
+  /// The same; nothing also where a run command is newer than what says that the motor stands.
+  [[nodiscard]] std::optional<bool> running_since_commanded() const;
 
   // Stops.
   /// What of a command that goes first is sent, `control_command` at the front, and why the rest of it is not.

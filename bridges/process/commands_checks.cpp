@@ -188,8 +188,8 @@ Commands::Refusal Commands::refuse_unreachable() const {
     return error(ErrorKind::offline,
                  status.nmt == canopen::NmtState::unknown ? "the drive is offline" : "the drive is not booted");
   }
-  if (status.nmt != canopen::NmtState::operational) {
-    return error(ErrorKind::offline, "the drive is " + std::string(name_of(status.nmt)) + ", not operational");
+  if (status.nmt_now() != canopen::NmtState::operational) {
+    return error(ErrorKind::offline, "the drive is " + std::string(name_of(status.nmt_now())) + ", not operational");
   }
   if (status.doubled == canopen::Doubled::proof) {
     return error(ErrorKind::offline, "two nodes have its node id, no commands but stops: " + status.doubled_text);

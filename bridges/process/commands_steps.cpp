@@ -206,7 +206,7 @@ bool Commands::holds_all(std::span<const Field> fields) const {
 }
 
 void Commands::on_status(const canopen::NodeStatus& status) {
-  const bool live = status.online && status.nmt == canopen::NmtState::operational;
+  const bool live = status.online && status.nmt_now() == canopen::NmtState::operational;
   if (std::exchange(live_, live) && !live) {
     commanded_.on_session_end(status.lost ? "the drive was lost" : "the drive left operational or is not online");
     control_.on_session_end();
@@ -259,6 +259,18 @@ std::optional<bool> Commands::running() const {
     return std::nullopt;
   }
   return image_.raw(static_cast<SignalId>(*running)) != 0;
+}
+
+std::optional<bool> Commands::running_since_commanded() const {
+  const std::optional<bool> runs = running();
+  const std::optional<SignalId> control = commanded_.control();
+  if (runs != false || !control) {
+    return runs;
+  }
+  const canopen::TimePoint seen = image_.source_of(static_cast<SignalId>(*model_.faults.running))->at;
+  const std::optional<canopen::TimePoint> confirmed = commanded_.last_confirmed_at(*control);
+  const bool newer = (confirmed && *confirmed >= seen) || commanded_.doubtful_at(*control) >= seen;
+  return newer && use_of_control(commanded_.shown(*control)) == ControlUse::run ? std::nullopt : runs;
 }
 
 }  // namespace process

@@ -76,7 +76,7 @@ std::optional<Drive::Indicator> Drive::indicator(const std::optional<std::size_t
 
 void Drive::on_status(const canopen::NodeStatus& status) {
   commands_.on_status(status);
-  inputs_.on_status(status.online, status.nmt == canopen::NmtState::operational, canopen::Clock::now());
+  inputs_.on_status(status.online, status.nmt_now() == canopen::NmtState::operational, canopen::Clock::now());
   alarms_.on_status(status, canopen::wall_now());
   if (std::exchange(told_doubled_, status.doubled) != status.doubled && doubled_changed_) {
     doubled_changed_();

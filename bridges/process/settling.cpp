@@ -41,7 +41,7 @@ void Settling::on_patience_over() {
 }
 
 void Settling::on_status(const canopen::NodeStatus& status) {
-  if (!status.online || status.nmt != canopen::NmtState::operational) {
+  if (!status.online || status.nmt_now() != canopen::NmtState::operational) {
     operational_since_.reset();
   } else if (!operational_since_) {
     operational_since_ = canopen::Clock::now();

@@ -124,7 +124,7 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.text("profile", drive.model().profile);
   object.boolean("enabled", drive.model().enabled);
   object.boolean("online", status.online);
-  object.text("nmt", canopen::name_of(status.nmt));
+  object.text("nmt", canopen::name_of(status.nmt_now()));
   object.text("boot", boot_of(status.boot_result));
   object.text("boot_text", status.boot_text);
   if (status.last_heartbeat && ages == Ages::shown) {

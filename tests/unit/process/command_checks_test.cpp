@@ -131,6 +131,14 @@ TEST_F(CommandsTest, NmtBehindARunCommandSeesTheMotorRun) {
   expect_refused(finish(stop_node, 300ms), ErrorKind::forbidden);
 }
 
+TEST_F(CommandsTest, WhatSaidThatTheMotorStandsBeforeARunCommandSaysNothingAfterIt) {
+  bring_online();
+  ASSERT_TRUE(write_all(1, 30.0).has_value());
+  expect_refused(nmt_now(NmtCommand::stop), ErrorKind::forbidden);
+  show(0);  // It was told to run, and does not.
+  EXPECT_TRUE(nmt_now(NmtCommand::stop).has_value());
+}
+
 TEST_F(CommandsTest, ADriveThatWasLeftAloneIsAskedWhetherItsMotorRuns) {
   model_.node.setup = {{test::kLimit, DataType::u16, 7}};  // It runs, and holds another value.
   model_.node.motor.running =

@@ -155,6 +155,31 @@ TEST_F(CommandsTest, LeavingOperationalMakesEarlierCommandsVoid) {
   expect_setpoint_goes_alone();
 }
 
+TEST_F(CommandsTest, NmtCommandsBetweenTwoHeartbeatsMakeEarlierCommandsVoid) {
+  for (const NmtCommand leave : {NmtCommand::pre_operational, NmtCommand::stop}) {
+    bring_online();
+    model_.commands.nmt_while_running = true;
+    run_motor();
+    ASSERT_TRUE(nmt_now(leave).has_value());
+    EXPECT_FALSE(fresh("running")) << "it sends no TPDO now";
+    EXPECT_FALSE(alarm(alarms::AlarmKind::data).active);
+    ASSERT_TRUE(nmt_now(NmtCommand::start).has_value());
+    show(test::kRunningBit);
+    expect_setpoint_goes_alone();
+    stop();
+  }
+}
+
+TEST_F(CommandsTest, NothingIsTakenForADriveThatWasJustMadePreOperational) {
+  bring_online();
+  ASSERT_TRUE(nmt_now(NmtCommand::pre_operational).has_value());
+  slave_.forget_heard();
+  const Outcome outcome = write_now({field("frequency_command", 10.0)});
+  ASSERT_TRUE(outcome.has_error());
+  EXPECT_EQ(outcome.error().kind, canopen::ErrorKind::offline);
+  EXPECT_NE(outcome.error().detail.find("pre-operational"), std::string::npos) << outcome.error().detail;
+}
+
 TEST_F(CommandsTest, CommandsWhileStandingKeepCountingUntilTheMotorStopped) {
   bring_online();
   ASSERT_TRUE(write_all(1, 30.0).has_value());
