@@ -27,7 +27,7 @@ std::string field_text(const config::Drive& drive, const FieldRecord& field) {
   }
   const config::Signal& signal = drive.signals[field.signal];
   if (!field.asked) {
-    return signal.name + " (no value)";
+    return field.given ? fmt::format("{} {}", signal.name, *field.given) : signal.name + " (no value)";
   }
   const double number = canopen::to_number(signal.type, *field.asked) * signal.scale;
   std::string text = fmt::format("{} {:.{}f}", signal.name, number, signal.decimals);

@@ -36,6 +36,10 @@ void append_text(std::string& out, std::string_view text) {
   text::append_quoted(out, text.substr(0, kMaxText));
 }
 
+void append_given(std::string& out, std::optional<double> number) {
+  append_number(out, number.value_or(std::nan("")), std::nullopt);
+}
+
 void append_value(std::string& out, const config::Signal& signal, canopen::Raw raw) {
   const bool real = canopen::is_real(signal.type);
   if (!real && signal.scale == 1.0) {

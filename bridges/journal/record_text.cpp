@@ -22,7 +22,7 @@ void append_field(std::string& out, const config::Signal& signal, const process:
   if (field.asked) {
     append_value(out, signal, *field.asked);
   } else {
-    out += "null";  // it was no value
+    append_given(out, field.given);
   }
   if (field.confirmed) {
     append_value(out += ",\"confirmed\":", signal, *field.confirmed);

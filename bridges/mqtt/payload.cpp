@@ -34,7 +34,8 @@ void append_values(std::string& out, const process::Drive& drive, const Pace& pa
 std::optional<canopen::WallTime> newest_value(std::span<const process::SourceState> sources) {
   const process::SourceState* newest = nullptr;
   for (const process::SourceState& source : sources) {
-    if (source.received && (newest == nullptr || source.at > newest->at)) {
+    // Also what came before the drive was lost or rebooted: time does not go back because values do not count any more.
+    if (source.at != canopen::TimePoint{} && (newest == nullptr || source.at > newest->at)) {
       newest = &source;
     }
   }

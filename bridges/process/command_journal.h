@@ -20,7 +20,8 @@ namespace process {
 struct FieldRecord {
   SignalId signal = 0;
   std::optional<canopen::Raw> before{};  ///< What the drive was known to hold; only where that was fresh.
-  std::optional<canopen::Raw> asked{};   ///< Nothing: it was no value.
+  std::optional<canopen::Raw> asked{};   ///< Whatever its limits; nothing: no value of the signal is that.
+  std::optional<double> given{};         ///< In its place: the number that is no value, in engineering units.
   std::optional<canopen::Raw> confirmed{};
 };
 

@@ -183,8 +183,19 @@ awaitable<Result<Raw>> Commands::sdo_read(canopen::ObjectAddress object, canopen
     co_return *std::move(refused);
   }
   const Visit visit(*this);
-  Result<Raw> answer = co_await node_.read(object, type);
-  co_return answer;
+  const std::size_t length = canopen::byte_length(type);
+  const Result<std::vector<std::uint8_t>> bytes = co_await node_.read_bytes(object, length);
+  if (bytes.has_error()) {
+    co_return bytes.error();
+  }
+  if (bytes.value().size() == length) {
+    co_return canopen::decode_raw(type, bytes.value()).value();
+  }
+  // A part of a value is another value.
+  Error wrong = error(ErrorKind::type, "the drive answers " + std::to_string(bytes.value().size()) + " bytes, and " +
+                                           std::string(canopen::name_of(type)) + " has " + std::to_string(length));
+  wrong.object = object;
+  co_return wrong;
 }
 
 awaitable<Outcome> Commands::sdo_write(Origin origin, canopen::ObjectValue value) {

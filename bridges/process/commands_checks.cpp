@@ -52,7 +52,10 @@ void Commands::take_fields(PendingCommand& command, std::span<const FieldWrite> 
     }
     const config::Signal& signal = model_.signals[field.signal];
     FieldRecord record{.signal = field.signal};
-    const Result<Raw> asked = check_given(commanded_.is_control(field.signal) ? without_limits(signal) : signal, field);
+    const Result<Raw> asked = check_given(without_limits(signal), field);
+    if (const double* const number = asked.has_value() ? nullptr : std::get_if<double>(&field.value)) {
+      record.given = *number;
+    }
     if (asked.has_value()) {
       record.asked = asked.value();
       command.set_points_only = command.set_points_only && !config::is_momentary(signal, asked.value());

@@ -35,6 +35,8 @@ TEST(JournalRecord, AWriteTellsWhatWasBeforeAskedAndConfirmedInEngineeringUnits)
 TEST(JournalRecord, AValueThatWasNone) {
   EXPECT_EQ(what_text(make_write(kPump, "a", {{.signal = 1}})),
             R"("id":"a","fields":[{"signal":"frequency_command","asked":null}])");
+  EXPECT_EQ(what_text(make_write(kPump, "a", {{.signal = 1, .given = 70000.5}})),
+            R"("id":"a","fields":[{"signal":"frequency_command","asked":70000.5}])");
 }
 
 TEST(JournalRecord, NmtAndRawWritesHaveTheirOwnMembers) {

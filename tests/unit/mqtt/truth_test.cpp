@@ -195,8 +195,9 @@ TEST(MqttTruth, TheTimeOfTheStateIsThatOfTheNewestValueWhateverTheTimeOfDayDid) 
   EXPECT_EQ(newest_value(sources), std::nullopt);
   sources[0] = {.source = {}, .received = true, .at = canopen::TimePoint{10s}, .wall = before};
   sources[1] = {.source = {}, .received = true, .at = canopen::TimePoint{20s}, .wall = set_back};
-  sources[2] = {.source = {}, .received = false, .at = canopen::TimePoint{30s}, .wall = before};
   EXPECT_EQ(newest_value(sources), set_back);
+  sources[2] = {.source = {}, .received = false, .at = canopen::TimePoint{30s}, .wall = before};
+  EXPECT_EQ(newest_value(sources), before) << "received before the drive was lost";
 }
 
 TEST(MqttTruth, HealthTellsOfTheGatewayAndItsConnection) {

@@ -252,5 +252,28 @@ TEST_F(CommandsTest, SdoReadNeedsNoPermission) {
   EXPECT_EQ(read.get().value(), 1234U);
 }
 
+TEST_F(CommandsTest, APartOfAnObjectIsNotShownAsItsValue) {
+  slave_.set({0x2002, 3}, DataType::u16, 0x0150);
+  slave_.set_bytes({0x1008, 0}, {'V', 'F', 'D', '-', '3', '0', '0'});
+  bring_online();
+  const auto kind_of = [&](canopen::ObjectAddress object, DataType type) {
+    const auto read = support::spawn(loop_.executor(), drive_->sdo_read(object, type));
+    run(50ms);
+    return read.done() && read.get().has_error() ? std::optional(read.get().error().kind) : std::nullopt;
+  };
+  EXPECT_EQ(kind_of({0x2002, 3}, DataType::i8), ErrorKind::type);
+  EXPECT_EQ(kind_of({0x2002, 3}, DataType::u32), ErrorKind::type);
+  EXPECT_EQ(kind_of({0x1008, 0}, DataType::u16), ErrorKind::type);
+}
+
+TEST_F(CommandsTest, WhatWasAskedIsKeptWhateverWasWrongWithIt) {
+  bring_online();
+  expect_refused(write_now({field("frequency_command", 50.5)}), ErrorKind::range);
+  EXPECT_EQ(observer_.answers.back().first.fields.at(0).asked, 5050U);
+  expect_refused(write_now({field("frequency_command", 7e5)}), ErrorKind::range);
+  EXPECT_EQ(observer_.answers.back().first.fields.at(0).asked, std::nullopt);
+  EXPECT_EQ(observer_.answers.back().first.fields.at(0).given, 7e5);
+}
+
 }  // namespace
 }  // namespace process
