@@ -21,7 +21,7 @@ BusSurvey::Known known_of(const process::Plant& plant, std::size_t bus, const ca
   canopen::Doubled surest = canopen::Doubled::no;
   for (std::size_t i = 0; i < plant.size(); ++i) {
     const process::Drive& drive = plant.drive(i);
-    if (drive.model().bus != bus) {
+    if (drive.bus() != bus) {
       continue;
     }
     const canopen::NodeStatus& status = drive.status();

@@ -121,7 +121,7 @@ process::Drive* Units::drive_of(std::uint8_t unit, std::uint8_t node) noexcept {
   process::Drive* first = nullptr;
   for (std::size_t i = 0; i < plant_.size(); ++i) {
     process::Drive& drive = plant_.drive(i);
-    if (drive.model().node.node == node && (first == nullptr || drive.model().bus < first->model().bus)) {
+    if (drive.model().node.node == node && (first == nullptr || drive.bus() < first->bus())) {
       first = &drive;
     }
   }

@@ -46,7 +46,7 @@ boost::asio::awaitable<void> Recorder::stop() {
 void Recorder::on_command_done(const process::Drive& drive, const process::CommandRecord& record,
                                const process::Outcome& outcome) {
   const canopen::TimePoint now = Clock::now();
-  Line& line = *lines_[drive.model().bus];
+  Line& line = *lines_[drive.bus()];
   const canopen::TimePoint wanted = now - settings_.before;
   line.commands.add(command_text(record, outcome, now), now,
                     line.under_way ? std::min(wanted, line.under_way->from) : wanted);
@@ -55,7 +55,7 @@ void Recorder::on_command_done(const process::Drive& drive, const process::Comma
 void Recorder::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
   const alarms::Alarm& alarm = drive.alarm(kind);
   const bool is_begin = begins(alarm, drives_[drive.index()].at(static_cast<std::size_t>(kind)));
-  note(drive.model().bus, {drive.model().name, kind, alarm, alarm}, is_begin);
+  note(drive.bus(), {drive.model().name, kind, alarm, alarm}, is_begin);
 }
 
 void Recorder::on_bus_alarm(std::size_t bus) {

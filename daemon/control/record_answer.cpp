@@ -37,7 +37,7 @@ std::string record_answer(const Asked& asked, const process::Plant& plant, const
     if (drive == nullptr) {
       return refusal(asked.id, not_there("no drive \"" + asked.request.drive + "\""));
     }
-    bus = drive->model().bus;
+    bus = drive->bus();
   } else {
     const std::vector<config::Bus>& buses = plant.model().buses;
     const auto found = std::ranges::find(buses, asked.request.bus, &config::Bus::name);

@@ -119,7 +119,7 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   const canopen::NodeStatus& status = drive.status();
   ObjectText object(out);
   object.text("name", drive.model().name);
-  object.text("bus", plant.model().buses[drive.model().bus].name);
+  object.text("bus", plant.model().buses[drive.bus()].name);
   object.integer("node", drive.model().node.node);
   object.text("profile", drive.model().profile);
   object.boolean("enabled", drive.model().enabled);
