@@ -127,6 +127,9 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.text("nmt", canopen::name_of(status.nmt));
   object.text("boot", boot_of(status.boot_result));
   object.text("boot_text", status.boot_text);
+  if (!drive.pending_change().empty()) {
+    object.text("reload", drive.pending_change());
+  }
   if (status.last_heartbeat && ages == Ages::shown) {
     object.key("heartbeat_age") += seconds(now - *status.last_heartbeat);
   } else {
