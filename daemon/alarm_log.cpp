@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "bridges/process/plant_change.h"
+
 namespace gateway {
 namespace {
 
@@ -49,6 +51,7 @@ AlarmLog::AlarmLog(const boost::asio::any_io_executor& executor, const process::
     : plant_(plant),
       write_(std::move(write)),
       subjects_(plant.model().drives.size() * kKinds + plant.model().buses.size()),
+      buses_(plant.model().buses.size()),
       next_(executor, [this] { tell_due(); }) {}
 
 void AlarmLog::on_alarm(const process::Drive& drive, AlarmKind kind) {
@@ -64,7 +67,22 @@ void AlarmLog::on_bus(std::size_t bus) {
   if (!plant_.bus_alarm(bus).confirmed) {
     return;  // From memory: the bus has not told its state yet.
   }
-  note(plant_.model().drives.size() * kKinds + bus);
+  note(of_drives() + bus);
+}
+
+void AlarmLog::on_plant_change(const process::PlantChange& change) {
+  std::vector<Subject> before = std::move(subjects_);
+  const std::size_t of_drives_before = before.size() - buses_;
+  subjects_.clear();
+  for (const auto& from : change.drives) {
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      subjects_.push_back(from ? std::move(before[*from * kKinds + kind]) : Subject{});
+    }
+  }
+  for (const auto& from : change.buses) {
+    subjects_.push_back(from ? std::move(before[of_drives_before + *from]) : Subject{});
+  }
+  buses_ = change.buses.size();
 }
 
 void AlarmLog::note(std::size_t subject) {
@@ -121,11 +139,10 @@ bool AlarmLog::is_told(std::size_t subject) const {
 }
 
 AlarmLog::Line AlarmLog::line_of(std::size_t subject) const {
-  const std::size_t of_drives = plant_.model().drives.size() * kKinds;
-  if (subject < of_drives) {
+  if (subject < of_drives()) {
     return line_of(plant_.drive(subject / kKinds), alarms::kAlarmKinds.at(subject % kKinds), subjects_[subject]);
   }
-  const std::size_t bus = subject - of_drives;
+  const std::size_t bus = subject - of_drives();
   const Alarm& alarm = plant_.bus_alarm(bus);
   return {level_of(alarm),
           fmt::format("bus {}: {}{}{}", plant_.model().buses[bus].name, alarm.active && alarm.first ? "first: " : "",
@@ -140,9 +157,8 @@ AlarmLog::Line AlarmLog::line_of(const process::Drive& drive, AlarmKind kind, co
 }
 
 const Alarm& AlarmLog::alarm_of(std::size_t subject) const {
-  const std::size_t of_drives = plant_.model().drives.size() * kKinds;
-  return subject < of_drives ? plant_.drive(subject / kKinds).alarm(alarms::kAlarmKinds.at(subject % kKinds))
-                             : plant_.bus_alarm(subject - of_drives);
+  return subject < of_drives() ? plant_.drive(subject / kKinds).alarm(alarms::kAlarmKinds.at(subject % kKinds))
+                               : plant_.bus_alarm(subject - of_drives());
 }
 
 }  // namespace gateway

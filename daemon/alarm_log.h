@@ -32,6 +32,8 @@ class AlarmLog {
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind);
   /// Its state, or its alarm.
   void on_bus(std::size_t bus);
+  /// What stays goes on as it is; of what left nothing more is told.
+  void on_plant_change(const process::PlantChange& change);
   /// The end: what is held back is written now.
   void finish();
 
@@ -47,6 +49,8 @@ class AlarmLog {
     std::optional<std::uint32_t> count;  ///< Alarm::count as told.
   };
 
+  /// Drives, their alarms before the buses.
+  [[nodiscard]] std::size_t of_drives() const { return subjects_.size() - buses_; }
   void note(std::size_t subject);
   void tell_due();
   void tell(std::size_t subject);
@@ -58,6 +62,7 @@ class AlarmLog {
   const process::Plant& plant_;
   Write write_;
   std::vector<Subject> subjects_;  ///< The alarms of the drives, then the buses.
+  std::size_t buses_;
   canopen::WakeUp next_;
 };
 

@@ -2,6 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
+#include "bridges/process/plant_change.h"
+
 namespace gateway {
 
 EventLog::EventLog(const boost::asio::any_io_executor& executor, const process::Plant& plant)
@@ -42,6 +46,11 @@ void EventLog::on_remark(const process::Drive& drive, const std::string& text) {
 void EventLog::on_command_done(const process::Drive& /*drive*/, const process::CommandRecord& record,
                                const process::Outcome& outcome) {
   commands_.on_done(record, outcome, canopen::Clock::now());
+}
+
+void EventLog::on_plant_change(const process::PlantChange& change) {
+  told_ = process::realigned(std::move(told_), change.drives, [](std::size_t) { return Told{}; });
+  alarms_.on_plant_change(change);
 }
 
 void EventLog::on_bus(std::size_t bus) {

@@ -25,6 +25,7 @@ class EventLog final : public process::Observer {
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
   void on_bus_alarm(std::size_t bus) override;
+  void on_plant_change(const process::PlantChange& change) override;
   /// The end: lines that are held back are written.
   void finish() { alarms_.finish(); }
   void on_remark(const process::Drive& drive, const std::string& text) override;

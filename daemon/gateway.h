@@ -14,11 +14,12 @@
 #include "bridges/modbus/server.h"
 #include "bridges/mqtt/bridge.h"
 #include "bridges/process/plant.h"
-#include "canopen/bus/bus.h"
-#include "canopen/bus/bus_watch.h"
 #include "canopen/bus/link.h"
 #include "canopen/clock.h"
+#include "canopen/wake_up.h"
+#include "config/difference.h"
 #include "config/model.h"
+#include "daemon/bus_in_use.h"
 #include "daemon/control/server.h"
 #include "daemon/event_log.h"
 #include "daemon/http/command_tally.h"
@@ -39,13 +40,19 @@ namespace gateway {
 
 class Recording;
 
-/// Everything of one configuration, wired: buses, drives, bridges. `model` outlives it.
+/// Everything of one configuration, wired: buses, drives, bridges.
+///
+/// Parts: gateway.cpp begin and end; gateway_parts.cpp what makes the bridges; gateway_change.cpp how it takes another
+/// configuration while it runs.
 class Gateway {
  public:
   using LinkFactory = std::function<std::unique_ptr<canopen::Link>(const config::Bus&)>;
 
   /// `control_group`: of the control socket, see control::Place.
-  Gateway(boost::asio::any_io_executor executor, const config::Model& model, const LinkFactory& make_link,
+  Gateway(boost::asio::any_io_executor executor, std::shared_ptr<const config::Model> model, LinkFactory make_link,
+          const std::string& control_group = "canopen-gateway");
+  /// The same with a model that outlives it.
+  Gateway(boost::asio::any_io_executor executor, const config::Model& model, LinkFactory make_link,
           const std::string& control_group = "canopen-gateway");
   ~Gateway();
   Gateway(const Gateway&) = delete;
@@ -54,6 +61,10 @@ class Gateway {
   /// Starts everything; waits for no interface, address, broker or drive. `passed`: listening sockets of the service
   /// manager, by descriptor, which are owned from here on.
   void start(std::span<const int> passed = {});
+  /// Another configuration, checked, with the same [gateway], between start() and stop(): drives, buses and sections
+  /// that are the same do not notice. Returns when all others are stopped, and begun anew where they are wanted. Drives
+  /// are replaced whether their motor turns or not: see Reload. Not before the last call has returned.
+  boost::asio::awaitable<void> change(std::shared_ptr<const config::Model> model);
   /// The orderly end: says so on MQTT, answers what is pending, sends nothing to drives.
   boost::asio::awaitable<void> stop();
 
@@ -64,47 +75,69 @@ class Gateway {
   /// How it is, as `B/health` and `/health` show it.
   [[nodiscard]] process::Health health() const;
   /// How sound a bus is, by its position in config::Model::buses.
-  [[nodiscard]] const canopen::BusSurvey& survey(std::size_t bus) const { return *buses_.at(bus).survey; }
+  [[nodiscard]] const canopen::BusSurvey& survey(std::size_t bus) const { return buses_.at(bus)->survey(); }
   /// Of the HTTP server; 0 while it does not listen.
   [[nodiscard]] std::uint16_t http_port() const { return http_ ? http_->port() : std::uint16_t{0}; }
 
  private:
-  /// A bus, and what hears of its state. The subscription goes before the bus.
-  struct BusInUse {
-    std::unique_ptr<canopen::Bus> bus;
-    std::unique_ptr<canopen::BusWatch> watch{};
-    canopen::BusTroubles troubles{};
-    std::unique_ptr<canopen::BusSurvey> survey{};
-    canopen::Subscription state{};
-    canopen::Subscription timing{};
-  };
+  using Buses = std::vector<std::unique_ptr<BusInUse>>;
+  using Model = std::shared_ptr<const config::Model>;
 
-  static std::vector<BusInUse> make_buses(const boost::asio::any_io_executor& executor, const config::Model& model,
-                                          const LinkFactory& make_link);
-  [[nodiscard]] http::Site http_site();
-  [[nodiscard]] std::unique_ptr<trace::Feed> make_trace();
-  void make_http(const boost::asio::any_io_executor& executor);
-  /// Its state, timing, and who else is on it reach plant and log.
-  void follow_bus(const boost::asio::any_io_executor& executor, std::size_t i);
-  static std::vector<process::Plant::BusPort> ports(const std::vector<BusInUse>& buses);
+  [[nodiscard]] std::unique_ptr<BusInUse> make_bus(const config::Bus& settings) const;
+  [[nodiscard]] static Buses make_buses(const Gateway& gateway, const config::Model& model);
+  [[nodiscard]] std::vector<process::Plant::BusPort> ports() const;
+  [[nodiscard]] std::vector<canopen::Bus*> bus_list() const;
 
+  // What [modbus], [mqtt], [recorder], [http] ask for; nothing where there is no such section. Each is added to the
+  // plant's observers.
+  void make_modbus();
+  void make_mqtt();
+  void make_recorder();
+  void make_http();
+  void make_control(const std::string& group);
+  void start_modbus(std::span<const int> passed);
+  void start_http();
+  /// Who asks the site is shown what there is now.
+  void fill_site();
+
+  boost::asio::awaitable<void> stop_changed(const config::Difference& difference);
+  void make_changed(const config::Difference& difference);
+  void change_plant(Model model, const config::Difference& difference);
+  void forget_left();
+
+  boost::asio::any_io_executor executor_;
+  LinkFactory make_link_;
   std::string instance_;  ///< Of this life of the program.
   canopen::TimePoint started_ = canopen::Clock::now();
   std::unique_ptr<journal::Journal> journal_;  ///< None where there is no state directory.
-  std::vector<BusInUse> buses_;
+  Buses left_buses_;                           ///< Stopped; drives that left still know them.
+  Buses buses_;
   process::Plant plant_;
   EventLog event_log_;
   std::unique_ptr<KeptAlarms> kept_alarms_;  ///< None where there is no state directory.
-  std::unique_ptr<Recording> recording_;     ///< None where nothing is to be recorded, or there is no state directory.
+  // Of each bridge the model whose section it has.
+  std::unique_ptr<Recording> recording_;  ///< None where nothing is to be recorded, or there is no state directory.
+  Model modbus_model_;
   std::unique_ptr<modbus::Server> modbus_;
+  Model mqtt_model_;
   std::unique_ptr<mqtt::Bridge> mqtt_;
+  std::vector<int> passed_;             ///< Duplicates of the service manager's sockets.
   std::unique_ptr<trace::Feed> trace_;  ///< Who reads it goes before.
   std::unique_ptr<control::Server> control_;
-  http::CommandTally tally_;
+  std::unique_ptr<http::CommandTally> tally_;
   std::unique_ptr<http::Site> site_;  ///< What HTTP shows.
   std::unique_ptr<http::Live> live_;
   std::unique_ptr<http::History> history_;
+  Model http_model_;
   std::unique_ptr<http::Server> http_;
+  /// Stopped, but a thread or a reader of theirs may not have ended yet.
+  struct Left {
+    Model model;
+    std::unique_ptr<Recording> recording;
+    std::unique_ptr<mqtt::Bridge> mqtt;
+  };
+  std::vector<Left> left_;
+  canopen::WakeUp forget_;
 };
 
 }  // namespace gateway

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "bridges/process/plant_change.h"
+
 namespace gateway {
 
 KeptAlarms::KeptAlarms(const boost::asio::any_io_executor& executor, process::Plant& plant)
@@ -59,6 +61,12 @@ void KeptAlarms::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
 
 void KeptAlarms::on_bus_alarm(std::size_t bus) {
   note(plant_.bus_alarm(bus), buses_[bus]);
+}
+
+void KeptAlarms::on_plant_change(const process::PlantChange& change) {
+  drives_ = process::realigned(std::move(drives_), change.drives, [](std::size_t) { return OfDrive{}; });
+  buses_ = process::realigned(std::move(buses_), change.buses, [](std::size_t) { return Activation{}; });
+  keeper_.on_begin_or_end();
 }
 
 void KeptAlarms::note(const alarms::Alarm& alarm, Activation& before) {

@@ -32,6 +32,8 @@ class KeptAlarms final : public process::Observer {
   void on_bus(std::size_t /*bus*/) override {}
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus_alarm(std::size_t bus) override;
+  /// What is not configured any more is forgotten.
+  void on_plant_change(const process::PlantChange& change) override;
 
  private:
   /// What makes a begin or an end of it.

@@ -22,9 +22,13 @@ Recording::Recording(const boost::asio::any_io_executor& executor, process::Plan
   }
 }
 
-void Recording::show_in(http::Site& site) {
-  site.records = [this]() -> const std::optional<recorder::StoredRecords>& { return recorder_.keeper().records(); };
-  site.read_record = [this](std::string name, std::uint64_t offset) { return read(std::move(name), offset); };
+void Recording::follow(const std::vector<process::Plant::BusPort>& buses, const process::PlantChange::From& from) {
+  taps_ = process::realigned(std::move(taps_), from,
+                             [this, &buses](std::size_t bus) { return buses[bus].bus->add_tap(recorder_.ring(bus)); });
+  buses_.clear();
+  for (const process::Plant::BusPort& port : buses) {
+    buses_.push_back(port.bus);
+  }
 }
 
 // What cannot be read was removed by somebody, most likely: alarms and lists are to name it no more.
@@ -44,15 +48,6 @@ std::unique_ptr<Recording> make_recording(const boost::asio::any_io_executor& ex
   auto recording = std::make_unique<Recording>(executor, plant, buses);
   plant.add(recording->recorder());
   return recording;
-}
-
-control::RecordRequest record_request(Recording* recording) {
-  if (recording == nullptr) {
-    return {};
-  }
-  return [recording](std::size_t bus, const std::string& drive, const std::string& user) {
-    return recording->recorder().request(bus, drive, user);
-  };
 }
 
 }  // namespace gateway

@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "bridges/process/plant.h"
+#include "bridges/process/plant_change.h"
 #include "bridges/recorder/record_reader.h"
 #include "bridges/recorder/recorder.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/subscription.h"
-#include "daemon/control/record_answer.h"
-#include "daemon/http/site.h"
 
 namespace gateway {
 
@@ -26,14 +25,14 @@ class Recording {
             const std::vector<process::Plant::BusPort>& buses);
 
   [[nodiscard]] recorder::Recorder& recorder() noexcept { return recorder_; }
-  /// What HTTP shows of it. It outlives `site`.
-  void show_in(http::Site& site);
+  /// A piece of a record's file, for HTTP.
+  [[nodiscard]] boost::asio::awaitable<std::optional<std::string>> read(std::string name, std::uint64_t offset);
+  /// After the plant changed: `buses` in the order of now, of which those without a position in `from` are new.
+  void follow(const std::vector<process::Plant::BusPort>& buses, const process::PlantChange::From& from);
   /// Nobody who reads a file keeps the end of the gateway waiting. Before HTTP is stopped.
   void stop_reading() { reader_.stop(); }
 
  private:
-  [[nodiscard]] boost::asio::awaitable<std::optional<std::string>> read(std::string name, std::uint64_t offset);
-
   std::vector<canopen::Bus*> buses_;
   recorder::Recorder recorder_;
   recorder::RecordReader reader_;
@@ -44,8 +43,5 @@ class Recording {
 [[nodiscard]] std::unique_ptr<Recording> make_recording(const boost::asio::any_io_executor& executor,
                                                         process::Plant& plant,
                                                         const std::vector<process::Plant::BusPort>& buses);
-
-/// How the control socket asks it; empty without one. It outlives what is returned.
-[[nodiscard]] control::RecordRequest record_request(Recording* recording);
 
 }  // namespace gateway

@@ -15,18 +15,19 @@
 #include "daemon/log.h"
 #include "daemon/log_losses.h"
 #include "daemon/passed_sockets.h"
+#include "daemon/reload/reload.h"
 #include "daemon/stop_signal.h"
 #include "daemon/supervision.h"
 
 namespace gateway {
 namespace {
 
-// Left to itself this signal would end a gateway without its goodbye.
-void refuse_reloads(boost::asio::signal_set& hang_ups) {
-  hang_ups.async_wait([&hang_ups](const boost::system::error_code& error, int /*signal*/) {
+// Left to itself this signal would end a gateway without its goodbye. One that comes before is kept until now.
+void reload_on(boost::asio::signal_set& hang_ups, Reload& reload) {
+  hang_ups.async_wait([&hang_ups, &reload](const boost::system::error_code& error, int /*signal*/) {
     if (!error) {
-      spdlog::warn("reload is not supported by this version; restart instead");
-      refuse_reloads(hang_ups);
+      reload.request();
+      reload_on(hang_ups, reload);
     }
   });
 }
@@ -42,10 +43,11 @@ void warn_of_virtual_buses(const config::Model& model) {
   }
 }
 
-boost::asio::awaitable<void> serve(Gateway& gateway, Supervision& supervision, StopSignal& stop) {
+boost::asio::awaitable<void> serve(Gateway& gateway, Reload& reload, Supervision& supervision, StopSignal& stop) {
   co_await stop.wait();
   spdlog::info("stopping");
   supervision.stopping();
+  co_await reload.stop();
   co_await gateway.stop();
 }
 
@@ -56,15 +58,15 @@ int run(const Options& options) {
   boost::asio::io_context loop(1);
   StopSignal stop(loop.get_executor());
   boost::asio::signal_set hang_ups(loop, SIGHUP);
-  const std::optional<config::Model> model = load_or_complain(options, Secrets::read);
-  if (!model) {
+  std::optional<config::Model> loaded = load_or_complain(options, Secrets::read);
+  if (!loaded) {
     return kConfigurationError;
   }
+  const auto model = std::make_shared<const config::Model>(*std::move(loaded));
   const Log log(options.verbose);
-  refuse_reloads(hang_ups);
   warn_of_virtual_buses(*model);
   std::vector<std::unique_ptr<canopen::VirtualBus>> in_process;  // One for each bus that wants it.
-  Gateway gateway(loop.get_executor(), *model, [&](const config::Bus& bus) {
+  Gateway gateway(loop.get_executor(), model, [&](const config::Bus& bus) {
     if (bus.interface == config::kVirtualInterface) {
       return in_process.emplace_back(std::make_unique<canopen::VirtualBus>(loop.get_executor()))->connect();
     }
@@ -78,9 +80,20 @@ int run(const Options& options) {
   });
   Supervision supervision(loop.get_executor(), gateway.plant(), [&gateway] { return gateway.alive(); });
   supervision.ready();
+  Reload reload(loop.get_executor(), gateway,
+                {.load =
+                     [load = load_options(options)] {
+                       config::LoadOptions now = load;
+                       now.with_secrets = true;
+                       return config::load(now);
+                     },
+                 .begins = [&supervision] { supervision.reloading(); },
+                 .ends = [&supervision] { supervision.ready(); }});
+  reload.start();
+  reload_on(hang_ups, reload);
   spdlog::info("canopen-gateway {} serves {} as \"{}\"", GATEWAY_VERSION, config::summary(*model).substr(4),
                model->gateway.name);
-  boost::asio::co_spawn(loop, serve(gateway, supervision, stop), [&](const std::exception_ptr& error) {
+  boost::asio::co_spawn(loop, serve(gateway, reload, supervision, stop), [&](const std::exception_ptr& error) {
     if (error) {
       std::rethrow_exception(error);
     }

@@ -20,11 +20,20 @@ Supervision::Supervision(const boost::asio::any_io_executor& executor, const pro
 }
 
 void Supervision::ready() {
+  if (stopping_) {
+    return;
+  }
   sd_notify(0, "READY=1");
   tick();
 }
 
+void Supervision::reloading() {
+  const auto now = std::chrono::duration_cast<std::chrono::microseconds>(canopen::Clock::now().time_since_epoch());
+  sd_notify(0, fmt::format("RELOADING=1\nMONOTONIC_USEC={}", now.count()).c_str());
+}
+
 void Supervision::stopping() {
+  stopping_ = true;
   timer_.cancel();
   sd_notify(0, "STOPPING=1");
 }
@@ -49,6 +58,13 @@ std::string status_line(const process::Plant& plant) {
   std::string line = fmt::format("{} of {} drives online", plant.online(), plant.size());
   if (const std::size_t alarms = plant.with_alarm(); alarms > 0) {
     line += fmt::format(", {} with an alarm", alarms);
+  }
+  std::size_t waiting = 0;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    waiting += plant.drive(i).pending_change().empty() ? 0U : 1U;
+  }
+  if (waiting > 0) {
+    line += fmt::format(", {} to be changed at standstill", waiting);
   }
   return line;
 }

@@ -18,6 +18,8 @@ class Supervision {
 
   /// After the configuration; never waits for interface, listen address, broker or drives.
   void ready();
+  /// Another configuration is looked at; until ready(), where it was taken or was not.
+  void reloading();
   void stopping();
 
  private:
@@ -28,10 +30,11 @@ class Supervision {
   canopen::Duration period_;
   std::function<bool()> alive_;
   bool watched_ = false;
+  bool stopping_ = false;
   std::string told_;
 };
 
-/// `3 of 4 drives online, 1 with an alarm`
+/// `3 of 4 drives online, 1 with an alarm, 1 to be changed at standstill`
 [[nodiscard]] std::string status_line(const process::Plant& plant);
 
 }  // namespace gateway

@@ -21,7 +21,7 @@ BusSurvey::Known known_of(const process::Plant& plant, std::size_t bus, const ca
   canopen::Doubled surest = canopen::Doubled::no;
   for (std::size_t i = 0; i < plant.size(); ++i) {
     const process::Drive& drive = plant.drive(i);
-    if (drive.model().bus != bus) {
+    if (drive.bus() != bus) {
       continue;
     }
     const canopen::NodeStatus& status = drive.status();
@@ -38,13 +38,12 @@ BusSurvey::Known known_of(const process::Plant& plant, std::size_t bus, const ca
 }  // namespace
 
 std::unique_ptr<BusSurvey> make_survey(const boost::asio::any_io_executor& executor, canopen::Bus& bus,
-                                       const process::Plant& plant, std::size_t index,
-                                       const canopen::BusTroubles& troubles) {
-  const std::string name = plant.model().buses[index].name;
+                                       const process::Plant& plant, const SurveyedBus& known) {
+  const std::string name = plant.model().buses[known.index].name;
   auto survey = std::make_unique<BusSurvey>(
       executor, bus,
       BusSurvey::Handlers{
-          .known = [&plant, &troubles, index] { return known_of(plant, index, troubles); },
+          .known = [&plant, &known] { return known_of(plant, known.index, known.troubles); },
           .began =
               [name](const canopen::Suspicion& began, const std::optional<canopen::Suspicion>& displaced) {
                 spdlog::warn("{}: suspicion: {}{}", name, began.text(),
@@ -54,12 +53,20 @@ std::unique_ptr<BusSurvey> make_survey(const boost::asio::any_io_executor& execu
               [name](const canopen::Suspicion& ended) {
                 spdlog::info("{}: no longer suspected: {}", name, describe(ended.kind));
               }});
+  set_timeouts(*survey, plant, known.index);
+  return survey;
+}
+
+void set_timeouts(BusSurvey& survey, const process::Plant& plant, std::size_t bus) {
+  constexpr std::uint8_t kLastNode = 127;
+  for (std::uint8_t node = 1; node <= kLastNode; ++node) {
+    survey.set_timeout(node, {});  // Of no drive, until one is found.
+  }
   for (const config::Drive& drive : plant.model().drives) {
-    if (drive.bus == index && drive.enabled) {
-      survey->set_timeout(drive.node.node, drive.node.error_control.heartbeat_timeout);
+    if (drive.bus == bus && drive.enabled) {
+      survey.set_timeout(drive.node.node, drive.node.error_control.heartbeat_timeout);
     }
   }
-  return survey;
 }
 
 }  // namespace gateway

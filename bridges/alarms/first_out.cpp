@@ -67,6 +67,21 @@ void FirstOut::restore(const FaultSource& newest) {
   restored_ = newest;
 }
 
+void FirstOut::move(const std::function<std::optional<FaultSource>(const FaultSource&)>& now_at) {
+  std::map<FaultSource, Shown> moved;
+  for (const auto& [source, shown] : shown_) {
+    if (const auto now = now_at(source)) {
+      moved.emplace(*now, shown);
+    }
+  }
+  shown_ = std::move(moved);
+  std::erase_if(groups_, [&now_at](const Group& group) { return !now_at(group.first); });
+  for (Group& group : groups_) {
+    group.first = now_at(group.first).value_or(group.first);
+  }
+  restored_ = restored_ ? now_at(*restored_) : std::nullopt;
+}
+
 void FirstOut::give(Group& group, const FaultSource& source) {
   Shown& shown = shown_[source];
   group.first = source;

@@ -76,7 +76,9 @@ awaitable<void> Client::serve() {
         // What is there by now was sent before it is answered.
         look();
       }
-      arrivals_.forget(taken_ - filled_ + used);
+      const std::uint64_t position = taken_ - filled_ + used;
+      arrivals_.forget(position);
+      std::erase_if(overtaken_, [position](const Overtaken& stop) { return stop.position <= position; });
       const std::span<const std::uint8_t> answer = word_answer(frame);
       if (answer.empty()) {
         ended_ = "disconnected: there are no words for its answer";
@@ -180,12 +182,14 @@ awaitable<void> Client::carry_out(std::uint8_t unit, std::size_t used) {
   commanding_ = true;
   if (!overtaken_.empty() && overtaken_.front().position == position) {
     answer_.exception = overtaken_.front().exception;
-    overtaken_.erase(overtaken_.begin());
   } else {
     co_await write(unit, used);
   }
   commanding_ = false;
   active_ = canopen::Clock::now();
+  if (!units_.has(unit)) {
+    answer_.exception = answer_.exception.value_or(Exception::no_response);  // it went while a stop was carried out
+  }
   if (answer_.request.reads() && !answer_.exception) {
     answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
     if (answer_.exception) {
@@ -196,8 +200,14 @@ awaitable<void> Client::carry_out(std::uint8_t unit, std::size_t used) {
 
 awaitable<void> Client::write(std::uint8_t unit, std::size_t used) {
   const bool is_stop = answer_.request.writes() && units_.is_stop(unit, answer_.request);
+  const std::uint64_t target = units_.target_of(unit, answer_.request);
   if (may_write_ && !is_stop) {
     co_await stop_first(used);
+  }
+  if (!units_.has(unit) || units_.target_of(unit, answer_.request) != target) {
+    // The plant changed meanwhile: another drive may have the unit now, and this was not meant for it.
+    answer_.exception = Exception::no_response;
+    co_return;
   }
   process::Origin origin = origin_of(taken_ - filled_ + used);
   if (!answer_.request.is_encapsulated()) {

@@ -69,9 +69,9 @@ Exception exception_of(const canopen::Error& error) {
 
 }  // namespace
 
-DriveUnit::DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order)
-    : plant_(plant), index_(drive), table_(plant.drive(drive).model(), order) {
-  const process::Image& image = plant.drive(drive).image();
+DriveUnit::DriveUnit(const process::Plant& plant, process::Drive& drive, config::WordOrder order)
+    : plant_(plant), drive_(drive), table_(drive.model(), order) {
+  const process::Image& image = drive.image();
   const std::size_t count = table_.drive().signals.size();
   measured_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -171,7 +171,7 @@ Diagnostics DriveUnit::diagnostics(Range range, canopen::TimePoint now) const {
   }
   Diagnostics block = diagnostics_of(drive(), table_.word_order(), now);
   const std::optional<alarms::FaultSource> first = plant_.first_out();
-  block[kFirstOutRegister - kDiagnosticsBegin] = first && !first->bus && first->index == index_ ? 1 : 0;
+  block[kFirstOutRegister - kDiagnosticsBegin] = first && !first->bus && first->index == drive_.index() ? 1 : 0;
   block[kNmtCommandRegister - kDiagnosticsBegin] = last_nmt_command_;
   if (end <= kFreshBitsBegin || range.address >= kFreshBitsBegin + kFreshWords) {
     return block;

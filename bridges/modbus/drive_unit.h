@@ -19,10 +19,10 @@ namespace modbus {
 /// write(), so that no request sees half an update.
 class DriveUnit {
  public:
-  /// `plant` outlives the unit.
-  DriveUnit(process::Plant& plant, std::size_t drive, config::WordOrder order);
+  /// Both outlive the unit.
+  DriveUnit(const process::Plant& plant, process::Drive& drive, config::WordOrder order);
 
-  [[nodiscard]] process::Drive& drive() const { return plant_.drive(index_); }
+  [[nodiscard]] process::Drive& drive() const noexcept { return drive_; }
 
   void on_values(std::span<const process::SignalId> signals);
   void sign_of_life(const process::Writer& writer);
@@ -55,8 +55,8 @@ class DriveUnit {
   boost::asio::awaitable<std::optional<Exception>> write_nmt(std::optional<std::uint16_t> number,
                                                              process::Origin origin);
 
-  process::Plant& plant_;
-  std::size_t index_;
+  const process::Plant& plant_;
+  process::Drive& drive_;
   ProcessTable table_;
   std::vector<bool> measured_;  ///< Per signal: its value comes from the drive, not from a command.
   std::uint16_t last_nmt_command_ = 0;

@@ -79,6 +79,11 @@ void FlatUnit::sign_of_life(const Request& request, const process::Writer& write
   }
 }
 
+const DriveUnit* FlatUnit::written_by(const Request& request) const {
+  const std::optional<Part> part = first_part(request.write);
+  return part ? part->unit : nullptr;
+}
+
 bool FlatUnit::is_stop(const Request& request) const {
   const auto asked = own(request);
   return asked && asked->first->is_stop(asked->second);

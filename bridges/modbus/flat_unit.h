@@ -27,6 +27,8 @@ class FlatUnit {
   [[nodiscard]] std::optional<Exception> read(const Request& request, canopen::TimePoint now, Snapshot& into) const;
   /// Of each drive that the request reads or writes.
   void sign_of_life(const Request& request, const process::Writer& writer);
+  /// Whose address the first one written is; null: no drive's.
+  [[nodiscard]] const DriveUnit* written_by(const Request& request) const;
   [[nodiscard]] bool is_stop(const Request& request) const;
   Exception note_refused(const Request& request, process::Origin origin, canopen::Error why);
   void remark(const Request& request, const std::string& text);

@@ -126,7 +126,7 @@ GatewayUnit::BusBlock GatewayUnit::bus_block(std::size_t bus) const {
   for (std::size_t i = 0; i < plant_.size(); ++i) {
     const process::Drive& drive = plant_.drive(i);
     const canopen::NodeStatus& status = drive.status();
-    if (drive.model().bus == bus && status.online && status.nmt_now() == canopen::NmtState::operational) {
+    if (drive.bus() == bus && status.online && status.nmt_now() == canopen::NmtState::operational) {
       const std::size_t node = drive.model().node.node;
       std::uint16_t& word = block[kNodeBitsBegin + node / 16];
       word = static_cast<std::uint16_t>(word | 1U << (node % 16));

@@ -6,7 +6,7 @@ namespace modbus {
 
 Server::Server(const boost::asio::any_io_executor& executor, process::Plant& plant, const config::Modbus& settings,
                net::Notices notices)
-    : units_(plant, settings), connections_(executor, settings, units_, std::move(notices)) {}
+    : settings_(settings), units_(plant, settings_), connections_(executor, settings_, units_, std::move(notices)) {}
 
 void Server::count_lost_messages_by(std::function<std::uint64_t()> count) {
   units_.gateway().count_lost_messages_by(std::move(count));

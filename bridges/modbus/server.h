@@ -21,8 +21,9 @@ namespace modbus {
 /// One loop, one thread.
 class Server final : public process::Observer {
  public:
-  /// `plant` and `settings` outlive the server. Whoever creates it adds it to the plant's observers before the plant
-  /// starts. Throws std::runtime_error for address ranges that are none.
+  /// `plant` outlives the server. Its drives and buses may change; other settings need another server. Whoever creates
+  /// it adds it to the plant's observers before the plant starts. Throws std::runtime_error for address ranges that are
+  /// none.
   Server(const boost::asio::any_io_executor& executor, process::Plant& plant, const config::Modbus& settings,
          net::Notices notices = {});
   /// After stop(), or after the loop has ended.
@@ -60,8 +61,10 @@ class Server final : public process::Observer {
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
+  void on_plant_change(const process::PlantChange& change) override { units_.change(change); }
 
  private:
+  config::Modbus settings_;  ///< Its own: the model that it came from may go.
   Units units_;
   Connections connections_;
 };

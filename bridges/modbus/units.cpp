@@ -8,18 +8,31 @@
 namespace modbus {
 
 Units::Units(process::Plant& plant, const config::Modbus& settings)
-    : plant_(plant), flat_unit_(settings.flat_unit), gateway_(plant, settings.word_order), of_drive_(plant.size()) {
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    const config::Drive& model = plant.drive(i).model();
-    if (!model.unit && !model.flat) {
+    : plant_(plant), order_(settings.word_order), flat_unit_(settings.flat_unit), gateway_(plant, settings.word_order) {
+  change({.drives = process::PlantChange::From(plant.size()), .buses = {}});
+}
+
+std::unique_ptr<DriveUnit> Units::make_unit(std::size_t drive) const {
+  const config::Drive& model = plant_.drive(drive).model();
+  return model.unit || model.flat ? std::make_unique<DriveUnit>(plant_, plant_.drive(drive), order_) : nullptr;
+}
+
+void Units::change(const process::PlantChange& change) {
+  of_drive_ =
+      process::realigned(std::move(of_drive_), change.drives, [this](std::size_t drive) { return make_unit(drive); });
+  serials_ = process::realigned(std::move(serials_), change.drives, [this](std::size_t) { return ++last_serial_; });
+  by_id_.fill(nullptr);
+  flat_ = {};
+  for (const std::unique_ptr<DriveUnit>& unit : of_drive_) {
+    if (unit == nullptr) {
       continue;
     }
-    of_drive_[i] = std::make_unique<DriveUnit>(plant, i, settings.word_order);
+    const config::Drive& model = unit->drive().model();
     if (model.unit) {
-      by_id_[*model.unit] = of_drive_[i].get();
+      by_id_[*model.unit] = unit.get();
     }
     if (model.flat) {
-      flat_.add(*model.flat, *of_drive_[i]);
+      flat_.add(*model.flat, *unit);
     }
   }
 }
@@ -55,6 +68,17 @@ bool Units::is_stop(std::uint8_t unit, const Request& request) const {
     return flat_.is_stop(request);
   }
   return is_gateway(unit) ? GatewayUnit::is_stop(request) : by_id_[unit]->is_stop(request);
+}
+
+std::uint64_t Units::target_of(std::uint8_t unit, const Request& request) noexcept {
+  const DriveUnit* const own = is_flat(unit) ? flat_.written_by(request) : by_id_[unit];
+  const process::Drive* drive = own != nullptr ? &own->drive() : nullptr;
+  if (request.is_encapsulated() && Encapsulated{request.encapsulated[1]} == Encapsulated::canopen) {
+    const std::variant<Reference, Exception> parsed = parse_reference(request.encapsulated);
+    const auto* const reference = std::get_if<Reference>(&parsed);
+    drive = reference != nullptr ? drive_of(unit, reference->node) : nullptr;
+  }
+  return drive != nullptr ? serials_[drive->index()] : 0;
 }
 
 void Units::note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why) {
@@ -97,7 +121,7 @@ process::Drive* Units::drive_of(std::uint8_t unit, std::uint8_t node) noexcept {
   process::Drive* first = nullptr;
   for (std::size_t i = 0; i < plant_.size(); ++i) {
     process::Drive& drive = plant_.drive(i);
-    if (drive.model().node.node == node && (first == nullptr || drive.model().bus < first->model().bus)) {
+    if (drive.model().node.node == node && (first == nullptr || drive.bus() < first->bus())) {
       first = &drive;
     }
   }

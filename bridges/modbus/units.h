@@ -16,6 +16,7 @@
 #include "bridges/modbus/request.h"
 #include "bridges/modbus/snapshot.h"
 #include "bridges/process/plant.h"
+#include "bridges/process/plant_change.h"
 
 namespace modbus {
 
@@ -25,6 +26,9 @@ class Units {
   /// `plant` and `settings` outlive the units.
   Units(process::Plant& plant, const config::Modbus& settings);
 
+  /// The plant changed. A drive that stays has its unit object as it was; what is under way there goes on.
+  void change(const process::PlantChange& change);
+
   [[nodiscard]] bool has(std::uint8_t unit) const noexcept;
   /// Reads request.read. The unit exists.
   [[nodiscard]] std::optional<Exception> read(std::uint8_t unit, const Request& request, canopen::TimePoint now,
@@ -33,6 +37,9 @@ class Units {
   void sign_of_life(std::uint8_t unit, const Request& request, const process::Writer& writer);
   /// The request stops a drive, or all.
   [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
+  /// Tells the drive that a request of function 43, or what it writes, is for, from all others that were ever there in
+  /// its place; 0: it is for none. The unit need not exist.
+  [[nodiscard]] std::uint64_t target_of(std::uint8_t unit, const Request& request) noexcept;
   /// A write that is refused before its unit sees it: the drive notes it, of a stop for all each.
   void note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why);
   /// Of function 23: it was written, and what it was to read failed after that. For the log.
@@ -57,12 +64,16 @@ class Units {
   /// Whom function 43/13 means: of a drive's unit only that drive, of others the first bus that has the node. Null:
   /// nobody.
   [[nodiscard]] process::Drive* drive_of(std::uint8_t unit, std::uint8_t node) noexcept;
+  [[nodiscard]] std::unique_ptr<DriveUnit> make_unit(std::size_t drive) const;
   boost::asio::awaitable<EncapsulatedAnswer> identify_unit(std::uint8_t unit, std::span<const std::uint8_t> pdu);
 
   process::Plant& plant_;
+  config::WordOrder order_;
   std::optional<std::uint8_t> flat_unit_;
   GatewayUnit gateway_;
   std::vector<std::unique_ptr<DriveUnit>> of_drive_;  ///< By position in the plant.
+  std::vector<std::uint64_t> serials_;                ///< Likewise; see target_of().
+  std::uint64_t last_serial_ = 0;
   FlatUnit flat_;
   std::array<DriveUnit*, kUnitIds> by_id_{};
 };

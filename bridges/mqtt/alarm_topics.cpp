@@ -2,27 +2,60 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "bridges/alarms/active_alarms_json.h"
 #include "bridges/alarms/alarm_json.h"
 
 namespace mqtt {
 
-AlarmTopics::AlarmTopics(const process::Plant& plant, const Topics& topics) : plant_(plant) {
-  for (std::size_t i = 0; i < plant.size(); ++i) {
+AlarmTopics::AlarmTopics(const process::Plant& plant, const Topics& topics) : plant_(plant), topics_(topics) {
+  add_all();
+}
+
+void AlarmTopics::add_all() {
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
     for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-      add(topics.drive(i).alarms.at(static_cast<std::size_t>(kind)), &plant.drive(i).alarm(kind));
+      add(topics_.drive(i).alarms.at(static_cast<std::size_t>(kind)), &plant_.drive(i).alarm(kind));
     }
   }
-  for (std::size_t bus = 0; bus < plant.model().buses.size(); ++bus) {
-    add(topics.bus_alarm(bus), &plant.bus_alarm(bus));
+  for (std::size_t bus = 0; bus < plant_.model().buses.size(); ++bus) {
+    add(topics_.bus_alarm(bus), &plant_.bus_alarm(bus));
   }
-  add(topics.alarms(), nullptr);
+  add(topics_.alarms(), nullptr);
 }
 
 void AlarmTopics::add(const std::string& topic, const alarms::Alarm* alarm) {
   positions_.emplace(topic, entries_.size());
   entries_.push_back({.topic = &topic, .alarm = alarm, .kept = {}});
+}
+
+void AlarmTopics::change(const process::PlantChange& change, canopen::TimePoint now) {
+  const std::vector<Entry> before = std::exchange(entries_, {});
+  const std::unordered_map<std::string, std::size_t> positions = std::exchange(positions_, {});
+  add_all();
+  for (Entry& entry : entries_) {
+    if (const auto known = positions.find(*entry.topic); known != positions.end()) {
+      entry.kept = before[known->second].kept;
+    }
+  }
+  bool any_new = false;
+  for (std::size_t i = 0; i < change.drives.size(); ++i) {
+    for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+      if (!change.drives[i]) {
+        any_new = true;
+        mark(plant_.drive(i), kind, now);
+      }
+    }
+  }
+  for (std::size_t bus = 0; bus < change.buses.size(); ++bus) {
+    if (!change.buses[bus]) {
+      any_new = true;
+      mark_bus(bus, now);
+    }
+  }
+  list_known_ = list_known_ && !any_new;
+  entries_.back().kept.changed(now);
 }
 
 canopen::TimePoint AlarmTopics::mark(const process::Drive& drive, alarms::AlarmKind kind, canopen::TimePoint now) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <string_view>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -10,6 +10,7 @@
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/plant.h"
+#include "bridges/process/plant_change.h"
 #include "canopen/clock.h"
 
 namespace mqtt {
@@ -25,6 +26,8 @@ class AlarmTopics {
 
   canopen::TimePoint mark(const process::Drive& drive, alarms::AlarmKind kind, canopen::TimePoint now);
   canopen::TimePoint mark_bus(std::size_t bus, canopen::TimePoint now);
+  /// The plant and the topics changed. A topic that stays has its word; what is new is due, and so is the list.
+  void change(const process::PlantChange& change, canopen::TimePoint now);
   /// Everything is due: a new connection.
   void mark_all();
   /// Of any topic that Topics::watched_subscriptions() match; nothing is done about those that are not ours.
@@ -43,6 +46,8 @@ class AlarmTopics {
   };
 
   void add(const std::string& topic, const alarms::Alarm* alarm);
+  /// Of all there is now.
+  void add_all();
   canopen::TimePoint mark(std::size_t position, canopen::TimePoint now);
   void collect(Entry& entry, canopen::TimePoint now, std::vector<Message>& out);
   [[nodiscard]] std::string list() const;
@@ -50,9 +55,10 @@ class AlarmTopics {
   [[nodiscard]] bool list_is_known();
 
   const process::Plant& plant_;
+  const Topics& topics_;
   bool list_known_ = false;
   std::vector<Entry> entries_;  ///< Kinds of the first drive, of the next ...; buses; the list.
-  std::unordered_map<std::string_view, std::size_t> positions_;  ///< By topic.
+  std::unordered_map<std::string, std::size_t> positions_;  ///< By topic.
 };
 
 }  // namespace mqtt

@@ -2,8 +2,10 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bridges/process/command_checks.h"
+#include "bridges/process/stop_check.h"
 
 namespace mqtt {
 namespace {
@@ -17,7 +19,38 @@ Result<Asked> asked(Result<T> result) {
   return result.has_value() ? Result<Asked>(Asked(std::move(result.value()))) : Result<Asked>(result.error());
 }
 
+// The signals that it writes, by whatever way.
+std::vector<process::FieldWrite> written_by(const config::Drive& drive, const Asked& asked) {
+  if (const auto* fields = std::get_if<Fields>(&asked)) {
+    return fields->sound;
+  }
+  const auto* request = std::get_if<SdoRequest>(&asked);
+  const auto signal = request != nullptr ? process::writable_signal(drive, request->object) : std::nullopt;
+  if (!signal) {
+    return {};
+  }
+  if (request->value) {
+    return {{*signal, *request->value}};
+  }
+  const canopen::DataType type = drive.signals[*signal].type;
+  const auto raw =
+      request->data.size() == canopen::byte_length(type) ? canopen::decode_raw(type, request->data) : std::nullopt;
+  return raw ? std::vector<process::FieldWrite>{{*signal, *raw}} : std::vector<process::FieldWrite>{};
+}
+
 }  // namespace
+
+bool carries_command(const Route& route) noexcept {
+  using Kind = Route::Kind;
+  return route.kind != Kind::alarm && route.kind != Kind::status && route.kind != Kind::life &&
+         route.kind != Kind::alive;
+}
+
+Parsed parse_command(const Route& route, std::string_view payload) {
+  const bool value =
+      route.kind == Route::Kind::set_signal || route.kind == Route::Kind::nmt || route.kind == Route::Kind::stop_all;
+  return value ? parse_value(payload) : parse_object_payload(payload);
+}
 
 Result<Asked> asked_of(const config::Drive* drive, const Route& route, const Parsed& parsed) {
   if (route.kind == Route::Kind::stop_all) {
@@ -61,22 +94,8 @@ bool asks_to_read(const Route& route, const Parsed& parsed) {
   return op != nullptr && *op == "read";
 }
 
-std::vector<process::FieldWrite> written_by(const config::Drive& drive, const Asked& asked) {
-  if (const auto* fields = std::get_if<Fields>(&asked)) {
-    return fields->sound;
-  }
-  const auto* request = std::get_if<SdoRequest>(&asked);
-  const auto signal = request != nullptr ? process::writable_signal(drive, request->object) : std::nullopt;
-  if (!signal) {
-    return {};
-  }
-  if (request->value) {
-    return {{*signal, *request->value}};
-  }
-  const canopen::DataType type = drive.signals[*signal].type;
-  const auto raw =
-      request->data.size() == canopen::byte_length(type) ? canopen::decode_raw(type, request->data) : std::nullopt;
-  return raw ? std::vector<process::FieldWrite>{{*signal, *raw}} : std::vector<process::FieldWrite>{};
+bool stops(const config::Drive& drive, const Asked& asked) {
+  return std::holds_alternative<StopAll>(asked) || process::is_stop(drive, written_by(drive, asked));
 }
 
 }  // namespace mqtt

@@ -26,18 +26,19 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
                const config::Gateway& gateway, std::string version, std::string instance,
                std::unique_ptr<Broker> broker, Notice notice)
     : plant_(plant),
+      settings_(settings),
       version_(std::move(version)),
       broker_(std::move(broker)),
       notice_(std::move(notice)),
-      topics_(plant.model(), settings, gateway.name),
+      topics_(plant.model(), settings_, gateway.name),
       session_(*broker_, topics_, notice_),
       requests_(executor, plant, topics_, [this](Message message) { publish(std::move(message)); }),
       alarms_(plant, topics_),
-      status_(topics_.status(), settings, true),
-      health_(topics_.health(), settings),
-      leftovers_(plant.model(), settings, topics_),
-      home_assistant_(plant.model(), settings, topics_, leftovers_, version_),
-      other_(std::move(instance), settings, notice_,
+      status_(topics_.status(), settings_, true),
+      health_(topics_.health(), settings_),
+      leftovers_(plant.model(), settings_, topics_),
+      home_assistant_(plant.model(), settings_, topics_, leftovers_, version_),
+      other_(std::move(instance), settings_, notice_,
              [this] {
                plant_.set_other_gateway(other_.lives());
                health_may_differ();
@@ -49,7 +50,7 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       ended_(executor_) {
   feeds_.reserve(plant.size());
   for (std::size_t i = 0; i < plant.size(); ++i) {
-    feeds_.emplace_back(plant.drive(i), topics_.drive(i), settings);
+    feeds_.emplace_back(plant.drive(i), topics_.drive(i), settings_);
   }
 }
 
@@ -177,8 +178,7 @@ canopen::TimePoint Bridge::turn() {
 }
 
 void Bridge::announce() {
-  batch_.push_back(
-      {.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_, other_.instance())});
+  batch_.push_back(info());
   for (Feed& feed : feeds_) {
     feed.mark_all();
   }
@@ -190,6 +190,10 @@ void Bridge::announce() {
   collect(canopen::Clock::now());
   send_batch();
   broker_->open(session_.connection());
+}
+
+Message Bridge::info() const {
+  return {.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_, other_.instance())};
 }
 
 void Bridge::send_batch() {

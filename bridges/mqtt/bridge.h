@@ -35,8 +35,9 @@ namespace mqtt {
 /// takes commands. One loop, one thread.
 class Bridge final : public process::Observer, private BrokerEvents {
  public:
-  /// To be added to the plant's observers before Plant::start(). The plant and `settings` outlive it. `version` is
-  /// shown in `B/info`; `instance` too, it is new at each start of the program.
+  /// To be added to the plant's observers before Plant::start(). The plant outlives it. `version` is shown in `B/info`;
+  /// `instance` too, it is new at each start of the program. Drives and buses may change; other settings, and the name
+  /// of the gateway, need another bridge.
   Bridge(boost::asio::any_io_executor executor, process::Plant& plant, const config::Mqtt& settings,
          const config::Gateway& gateway, std::string version, std::string instance, std::unique_ptr<Broker> broker,
          Notice notice);
@@ -71,6 +72,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
   void on_bus_alarm(std::size_t bus) override;
+  void on_plant_change(const process::PlantChange& change) override;
 
  private:
   void on_connected(const Connected& connection) override;
@@ -87,6 +89,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   /// Publishes what is due; returns when to come again.
   canopen::TimePoint turn();
   void announce();
+  [[nodiscard]] Message info() const;
+  /// Of drives that left and whose name nobody has now: nothing of them is live any more.
+  void say_last_of_gone(const process::PlantChange& change);
   /// The topics that are put right where others write there are due whatever they say.
   void tell_again();
   void collect(canopen::TimePoint now);
@@ -110,6 +115,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void publish(Message message);
 
   process::Plant& plant_;
+  config::Mqtt settings_;  ///< Its own: the model that it came from may go.
   std::string version_;
   std::unique_ptr<Broker> broker_;
   Notice notice_;

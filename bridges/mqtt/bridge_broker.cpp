@@ -39,6 +39,7 @@ void Bridge::on_disconnected(const std::string& why) {
   last_break_ = why;
   session_.lost();
   other_.lost();
+  leftovers_.lost(canopen::Clock::now());
   follow_session();
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,8 @@ class Feed {
  public:
   /// All outlive the feed.
   Feed(const process::Drive& drive, const DriveTopics& topics, const config::Mqtt& settings);
+
+  [[nodiscard]] const std::string& drive_name() const noexcept { return drive_.model().name; }
 
   canopen::TimePoint mark_values(std::span<const process::SignalId> signals, canopen::TimePoint now);
   canopen::TimePoint mark_status(canopen::TimePoint now);

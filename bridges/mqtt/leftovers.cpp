@@ -59,25 +59,67 @@ std::optional<Form> form_of(std::string_view below_root) {
 }  // namespace
 
 Leftovers::Leftovers(const config::Model& model, const config::Mqtt& settings, const Topics& topics)
-    : topics_(topics), patience_(lifetime(settings) / 3 + std::chrono::seconds(5)) {
+    : settings_(settings), topics_(topics), patience_(lifetime(settings) / 3 + std::chrono::seconds(5)) {
+  note_published(model);
+}
+
+void Leftovers::note_published(const config::Model& model) {
   for (std::size_t i = 0; i < model.drives.size(); ++i) {
     const config::Drive& drive = model.drives[i];
-    const DriveTopics& of_drive = topics.drive(i);
+    const DriveTopics& of_drive = topics_.drive(i);
     drives_.insert(drive.name);
     published_.insert({of_drive.status, of_drive.control});
     published_.insert(of_drive.alarms.begin(), of_drive.alarms.end());
-    if (settings.state) {
+    if (settings_.state) {
       published_.insert(of_drive.state);
     }
-    for (std::size_t signal = 0; settings.signals && signal < drive.signals.size(); ++signal) {
+    for (std::size_t signal = 0; settings_.signals && signal < drive.signals.size(); ++signal) {
       if (config::readable(drive.signals[signal].access)) {
         published_.insert(of_drive.signals[signal]);
       }
     }
   }
   for (std::size_t bus = 0; bus < model.buses.size(); ++bus) {
-    published_.insert(topics.bus_alarm(bus));
+    published_.insert(topics_.bus_alarm(bus));
   }
+}
+
+void Leftovers::change(const config::Model& model, canopen::TimePoint now) {
+  const auto before = std::exchange(published_, {});
+  note_published(model);
+  for (const std::string& topic : published_) {
+    back(topic);
+  }
+  for (const std::string& topic : before) {
+    if (!published_.contains(topic)) {
+      gone(topic, now);
+    }
+  }
+}
+
+void Leftovers::gone(const std::string& topic, canopen::TimePoint now) {
+  for (auto& [place, found] : places_) {
+    if (found.kept.size() < kMost) {
+      found.kept.emplace(topic, std::string());
+    }
+  }
+  come(now);
+}
+
+void Leftovers::back(const std::string& topic) {
+  for (auto& [place, found] : places_) {
+    found.kept.erase(topic);
+    found.emptied.erase(topic);
+  }
+}
+
+void Leftovers::lost(canopen::TimePoint now) {
+  if (now - here_->emptied_at < kArrives) {
+    here_->kept.merge(here_->emptied);
+  }
+  here_->emptied.clear();
+  announced_.reset();
+  due_ = canopen::kNever;
 }
 
 void Leftovers::connected(const std::string& place) {
@@ -119,6 +161,10 @@ void Leftovers::found(const std::string& topic, canopen::TimePoint now) {
   if (here_->kept.size() < kMost) {
     here_->kept.emplace(topic, std::string());
   }
+  come(now);
+}
+
+void Leftovers::come(canopen::TimePoint now) {
   if (announced_) {
     due_ = std::min(due_, here_->in_use ? std::max(now, *announced_ + patience_) : now);
   }
@@ -129,7 +175,7 @@ void Leftovers::collect(bool another_lives, canopen::TimePoint now, std::vector<
     return;
   }
   due_ = canopen::kNever;
-  const auto found = std::exchange(here_->kept, {});
+  auto found = std::exchange(here_->kept, {});
   if (another_lives) {
     notice(Level::warning, "MQTT: " + std::to_string(found.size()) +
                                " topics that this gateway does not publish are left as they are, because another "
@@ -149,6 +195,8 @@ void Leftovers::collect(bool another_lives, canopen::TimePoint now, std::vector<
   if (!line.empty()) {
     say();
   }
+  here_->emptied.merge(found);
+  here_->emptied_at = now;
 }
 
 }  // namespace mqtt

@@ -4,7 +4,6 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <exception>
-#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -41,12 +40,6 @@ process::CommandRecord::Kind kind_of(const Route& route) {
   return route.kind == Route::Kind::sdo ? Kind::raw : Kind::write;
 }
 
-bool carries_no_command(const Route& route) {
-  using Kind = Route::Kind;
-  return route.kind == Kind::alarm || route.kind == Kind::status || route.kind == Kind::life ||
-         route.kind == Kind::alive;
-}
-
 }  // namespace
 
 process::Writer mqtt_writer() {
@@ -57,7 +50,13 @@ Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant,
     : executor_(std::move(executor)),
       plant_(plant),
       topics_(topics),
-      under_way_(std::make_shared<UnderWay>(executor_, plant.size(), std::move(publish))) {}
+      stop_signs_(plant.model(), topics),
+      under_way_(std::make_shared<UnderWay>(executor_, plant, std::move(publish))) {}
+
+void Requests::change(const process::PlantChange& change) {
+  stop_signs_.change(plant_.model());
+  under_way_->change(plant_, change);
+}
 
 void Requests::handle(const Incoming& incoming, const Route& route) {
   take(incoming, route, std::nullopt);
@@ -65,7 +64,7 @@ void Requests::handle(const Incoming& incoming, const Route& route) {
 
 void Requests::come_too_late(const Incoming& incoming) {
   const auto route = topics_.route(incoming.topic);
-  if (route && (route->kind == Route::Kind::alive || !carries_no_command(*route))) {
+  if (route && (route->kind == Route::Kind::alive || carries_command(*route))) {
     take(incoming, *route,
          Error{.kind = ErrorKind::offline,
                .detail = "the gateway is on its way to another broker; nothing was sent, give the command there"});
@@ -125,17 +124,8 @@ bool Requests::may_repeat(const Incoming& incoming, const Command& command) {
          (command.asked.has_value() || !may_come_again(command.asked.error()));
 }
 
-bool Requests::is_stop(const Incoming& incoming) const {
-  const auto route = topics_.route(incoming.topic);
-  if (!route || carries_no_command(*route) || incoming.retained || incoming.payload.empty()) {
-    return false;
-  }
-  const Command command = take_apart(incoming, *route);
-  return command.stops && command.allowed;
-}
-
 bool Requests::is_idle() const noexcept {
-  return under_way_->total == std::accumulate(under_way_->reads.begin(), under_way_->reads.end(), std::size_t{0});
+  return under_way_->total == under_way_->reads;
 }
 
 boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
@@ -150,9 +140,7 @@ boost::asio::awaitable<void> Requests::stop(canopen::Duration patience) {
 }
 
 Requests::Command Requests::take_apart(const Incoming& incoming, const Route& route) const {
-  const bool value =
-      route.kind == Route::Kind::set_signal || route.kind == Route::Kind::nmt || route.kind == Route::Kind::stop_all;
-  const Parsed parsed = value ? parse_value(incoming.payload) : parse_object_payload(incoming.payload);
+  const Parsed parsed = parse_command(route, incoming.payload);
   process::Drive* drive = plant_.find(route.drive);
   Command command{.to = reply_to(incoming, route, drive),
                   .drive = drive,
@@ -165,8 +153,7 @@ Requests::Command Requests::take_apart(const Incoming& incoming, const Route& ro
   command.allowed = drive == nullptr || command.reads || !process::refuse_writer(drive->model(), mqtt_writer());
   if (command.asked.has_value()) {
     const Asked& asked = command.asked.value();
-    command.stops = std::holds_alternative<StopAll>(asked) ||
-                    (drive != nullptr && drive->is_stop(written_by(drive->model(), asked)));
+    command.stops = drive == nullptr ? std::holds_alternative<StopAll>(asked) : stops(drive->model(), asked);
     const auto* fields = std::get_if<Fields>(&asked);
     if (fields != nullptr && fields->mistake && !command.stops) {
       command.asked = Error(*fields->mistake);
@@ -216,28 +203,27 @@ Result<void> Requests::begin(const Incoming& incoming, Command& command, const A
   if (command.asked.has_error()) {
     return command.asked.error();
   }
-  std::size_t* among = nullptr;
+  std::shared_ptr<DriveLoad> load;
   if (command.drive != nullptr) {
-    among = &(command.reads ? under_way_->reads : under_way_->commands).at(command.drive->index());
+    load = under_way_->loads.at(command.drive->index());
     const bool waits = command.allowed && !command.expired && !command.stops;
-    if (waits && *among >= (command.reads ? kMaxReads : kMaxCommands)) {
+    if (waits && (command.reads ? load->reads >= kMaxReads : load->commands >= kMaxCommands)) {
       under_way_->duplicates.forget(asker.ticket);  // it may come again with the same id
       return Error{.kind = ErrorKind::timeout,
                    .detail = std::string("too many ") + (command.reads ? "reads" : "commands") +
                              " under way; this one was not carried out"};
     }
-    ++*among;
   }
-  ++under_way_->total;
-  boost::asio::co_spawn(executor_,
-                        carry_out(under_way_, plant_, command.drive, origin_of(incoming, command.id),
-                                  std::move(command.asked.value()), asker),
-                        [under_way = under_way_, among](std::exception_ptr failure) {
-                          under_way->ended(among);
-                          if (failure) {
-                            std::rethrow_exception(failure);
-                          }
-                        });
+  under_way_->begins(load.get(), command.reads);
+  boost::asio::co_spawn(
+      executor_,
+      carry_out(under_way_, plant_, load, origin_of(incoming, command.id), std::move(command.asked.value()), asker),
+      [under_way = under_way_, load, reads = command.reads](std::exception_ptr failure) {
+        under_way->ended(load.get(), reads);
+        if (failure) {
+          std::rethrow_exception(failure);
+        }
+      });
   return {};
 }
 

@@ -5,13 +5,16 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "bridges/mqtt/answers.h"
 #include "bridges/mqtt/asked.h"
 #include "bridges/mqtt/message.h"
+#include "bridges/mqtt/stop_signs.h"
 #include "bridges/mqtt/topics.h"
 #include "bridges/process/plant.h"
+#include "bridges/process/plant_change.h"
 #include "bridges/process/writer.h"
 
 namespace mqtt {
@@ -46,8 +49,11 @@ class Requests {
   /// command is refused, for what it asks might be done while nobody sees it.
   void come_too_late(const Incoming& incoming);
 
-  /// It stops a drive that may be stopped this way, or all. From any thread: reads nothing but the configuration.
-  [[nodiscard]] bool is_stop(const Incoming& incoming) const;
+  /// The plant's configuration is another one, and so are the topics. What was asked before is still answered.
+  void change(const process::PlantChange& change);
+
+  /// It stops a drive that may be stopped this way, or all. From any thread, see StopSigns.
+  [[nodiscard]] bool is_stop(const Incoming& incoming) const { return stop_signs_.is_stop(incoming); }
 
   /// No command is under way. Reads may be: they move nothing, and their answers go along to the next broker.
   [[nodiscard]] bool is_idle() const noexcept;
@@ -88,6 +94,7 @@ class Requests {
   boost::asio::any_io_executor executor_;
   process::Plant& plant_;
   const Topics& topics_;
+  StopSigns stop_signs_;
   std::shared_ptr<UnderWay> under_way_;
 };
 

@@ -99,12 +99,17 @@ Topics::Topics(const config::Model& model, const config::Mqtt& settings, std::st
       home_assistant_(root_ + "/home_assistant"),
       result_(root_ + "/result"),
       alarms_(root_ + "/alarms") {
-  for (const config::Drive& drive : model.drives) {
-    drives_.push_back(topics_of(drive, root_));
-  }
-  for (const config::Bus& bus : model.buses) {
-    bus_alarms_.push_back(root_ + "/bus/" + bus.name + "/alarm");
-  }
+  change(model, {.drives = process::PlantChange::From(model.drives.size()),
+                 .buses = process::PlantChange::From(model.buses.size())});
+}
+
+void Topics::change(const config::Model& model, const process::PlantChange& change) {
+  drives_ = process::realigned(std::move(drives_), change.drives, [&](std::size_t i) {
+    return std::make_unique<const DriveTopics>(topics_of(model.drives[i], root_));
+  });
+  bus_alarms_ = process::realigned(std::move(bus_alarms_), change.buses, [&](std::size_t i) {
+    return std::make_unique<const std::string>(root_ + "/bus/" + model.buses[i].name + "/alarm");
+  });
 }
 
 std::vector<Subscription> Topics::command_subscriptions() const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "bridges/alarms/alarm.h"
 #include "bridges/mqtt/broker.h"
+#include "bridges/process/plant_change.h"
 #include "config/model.h"
 
 namespace mqtt {
@@ -33,10 +35,14 @@ struct Route {
   std::string_view signal;  ///< Of set_signal.
 };
 
-/// Every topic of a gateway, `B` being `<base>/<gateway>`.
+/// Every topic of a gateway, `B` being `<base>/<gateway>`. Those of drives and buses change with the plant; all else
+/// stays what it is.
 class Topics {
  public:
   Topics(const config::Model& model, const config::Mqtt& settings, std::string_view gateway);
+
+  /// The plant changed. Topics of drives and buses that stay are where they were in memory.
+  void change(const config::Model& model, const process::PlantChange& change);
 
   [[nodiscard]] const std::string& status() const noexcept { return status_; }
   [[nodiscard]] const std::string& health() const noexcept { return health_; }
@@ -47,10 +53,10 @@ class Topics {
   [[nodiscard]] const std::string& root() const noexcept { return root_; }  ///< `B` itself.
   /// The gateway's name.
   [[nodiscard]] std::string_view gateway() const { return std::string_view(root_).substr(base_.size() + 1); }
-  [[nodiscard]] const DriveTopics& drive(std::size_t index) const { return drives_.at(index); }
+  [[nodiscard]] const DriveTopics& drive(std::size_t index) const { return *drives_.at(index); }
   /// The list of active alarms.
   [[nodiscard]] const std::string& alarms() const noexcept { return alarms_; }
-  [[nodiscard]] const std::string& bus_alarm(std::size_t bus) const { return bus_alarms_.at(bus); }
+  [[nodiscard]] const std::string& bus_alarm(std::size_t bus) const { return *bus_alarms_.at(bus); }
 
   /// What commands come by, of any drive name: unknown ones are answered too.
   [[nodiscard]] std::vector<Subscription> command_subscriptions() const;
@@ -60,7 +66,7 @@ class Topics {
   [[nodiscard]] std::vector<Subscription> watched_subscriptions() const;
   /// What stands behind `B/`; empty where the topic is none of ours.
   [[nodiscard]] std::string_view below_root(std::string_view topic) const;
-  /// Of a topic that one of these subscriptions matches.
+  /// Of a topic that one of these subscriptions matches. On any thread.
   [[nodiscard]] std::optional<Route> route(std::string_view topic) const;
   /// No answer goes there: it lies below `base`, where it could be taken for a command or for something that a gateway
   /// publishes; or outside of `answers`; or nobody can publish to it.
@@ -76,8 +82,8 @@ class Topics {
   std::string home_assistant_;
   std::string result_;
   std::string alarms_;
-  std::vector<DriveTopics> drives_;
-  std::vector<std::string> bus_alarms_;
+  std::vector<std::unique_ptr<const DriveTopics>> drives_;
+  std::vector<std::unique_ptr<const std::string>> bus_alarms_;
 };
 
 /// What this filter stands for (MQTT 5 §4.7).

@@ -1,5 +1,6 @@
 #include "bridges/mqtt/under_way.h"
 
+#include <algorithm>
 #include <string>
 #include <variant>
 
@@ -22,19 +23,24 @@ std::string short_text(const canopen::Error& error) {
 }
 
 // One outcome for all: the kind is that of the first that was missed, and all of them are named.
-process::Outcome outcome_of_all(const process::Plant& plant, const process::Writer& writer,
-                                const std::vector<process::NotStopped>& missed) {
-  if (process::commanded_by(plant, writer) == 0) {
-    return canopen::Error{.kind = canopen::ErrorKind::forbidden, .detail = "no drive takes commands of this writer"};
-  }
+process::Outcome outcome_of_all(const std::vector<process::NotStopped>& missed) {
   if (missed.empty()) {
     return {};
   }
   std::string names;
   for (const process::NotStopped& one : missed) {
-    names += (names.empty() ? "" : "; ") + plant.drive(one.drive).model().name + " (" + short_text(one.error) + ")";
+    names += (names.empty() ? "" : "; ") + one.name + " (" + short_text(one.error) + ")";
   }
   return canopen::Error{.kind = missed.front().error.kind, .detail = "not confirmed: " + names};
+}
+
+boost::asio::awaitable<process::Outcome> stop_all_drives(process::Plant& plant, process::Origin origin) {
+  const bool for_none = process::commanded_by(plant, origin.writer) == 0;
+  const std::vector<process::NotStopped> missed = co_await process::stop_all(plant, std::move(origin));
+  if (for_none) {
+    co_return canopen::Error{.kind = canopen::ErrorKind::forbidden, .detail = "no drive takes commands of this writer"};
+  }
+  co_return outcome_of_all(missed);
 }
 
 boost::asio::awaitable<process::Outcome> write_fields(process::Drive& drive, process::Origin origin, Fields fields) {
@@ -71,6 +77,44 @@ boost::asio::awaitable<process::Outcome> write_object(process::Drive& drive, pro
 
 }  // namespace
 
+UnderWay::UnderWay(const boost::asio::any_io_executor& executor, process::Plant& plant, Publish to_publish)
+    : publish(std::move(to_publish)), idle(executor) {
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    loads.push_back(std::make_shared<DriveLoad>(DriveLoad{.drive = &plant.drive(i)}));
+  }
+}
+
+void UnderWay::change(process::Plant& plant, const process::PlantChange& change) {
+  const std::vector<std::shared_ptr<DriveLoad>> before = loads;
+  loads = process::realigned(loads, change.drives, [&plant](std::size_t i) {
+    return std::make_shared<DriveLoad>(DriveLoad{.drive = &plant.drive(i)});
+  });
+  for (const std::shared_ptr<DriveLoad>& each : before) {
+    if (std::ranges::find(loads, each) == loads.end()) {
+      each->drive = nullptr;
+    }
+  }
+}
+
+void UnderWay::begins(DriveLoad* load, bool is_read) {
+  ++total;
+  reads += is_read ? 1 : 0;
+  if (load != nullptr) {
+    ++(is_read ? load->reads : load->commands);
+  }
+}
+
+void UnderWay::ended(DriveLoad* load, bool is_read) {
+  --total;
+  reads -= is_read ? 1 : 0;
+  if (load != nullptr) {
+    --(is_read ? load->reads : load->commands);
+  }
+  if (total == 0) {
+    idle.cancel();
+  }
+}
+
 void UnderWay::settle(const Asker& asker, const process::Outcome& outcome) {
   send(command_answer(asker.to, outcome));
   if (asker.ticket == Duplicates::kNone) {
@@ -98,12 +142,14 @@ void UnderWay::repeat(const ReplyTo& to, const Duplicates::Earlier& earlier) {
 }
 
 boost::asio::awaitable<void> carry_out(std::shared_ptr<UnderWay> under_way, process::Plant& plant,
-                                       process::Drive* drive, process::Origin origin, Asked asked, Asker asker) {
+                                       std::shared_ptr<DriveLoad> load, process::Origin origin, Asked asked,
+                                       Asker asker) {
+  process::Drive* const drive = load == nullptr ? nullptr : load->drive;
   process::Outcome outcome;
-  if (drive == nullptr) {
-    const process::Writer writer = origin.writer;
-    const std::vector<process::NotStopped> missed = co_await process::stop_all(plant, std::move(origin));
-    outcome = outcome_of_all(plant, writer, missed);
+  if (load == nullptr) {
+    outcome = co_await stop_all_drives(plant, std::move(origin));
+  } else if (drive == nullptr) {
+    outcome = canopen::Error{.kind = canopen::ErrorKind::offline, .detail = "the drive was taken out of the plant"};
   } else if (auto* fields = std::get_if<Fields>(&asked)) {
     outcome = co_await write_fields(*drive, std::move(origin), std::move(*fields));
   } else if (const auto* nmt = std::get_if<canopen::NmtCommand>(&asked)) {

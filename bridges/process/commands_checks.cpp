@@ -7,6 +7,7 @@
 
 #include "bridges/process/command_checks.h"
 #include "bridges/process/commands.h"
+#include "bridges/process/stop_check.h"
 #include "canopen/node/remote_node.h"
 
 namespace process {
@@ -89,7 +90,7 @@ ControlUse Commands::use_of_control(Raw word) const {
 
 bool Commands::is_stop(std::span<const FieldWrite> fields) const {
   const Result<std::vector<FieldWrite>> resolved = resolve(fields);
-  return resolved.has_value() && use_of(resolved.value()) == ControlUse::stop;
+  return resolved.has_value() && process::is_stop(model_, resolved.value());
 }
 
 Result<std::vector<FieldWrite>> Commands::resolve(std::span<const FieldWrite> fields) const {

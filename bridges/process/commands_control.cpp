@@ -89,4 +89,11 @@ awaitable<void> Commands::write_timeout_values(std::unique_ptr<Visit> /*visit*/)
   control_changed();
 }
 
+bool Commands::is_told_to_run() const {
+  const auto known = commanded_.control() ? commanded_.known(*commanded_.control()) : std::nullopt;
+  const PendingCommand* const under_way = lane_.under_way();
+  return (known && use_of_control(*known) == ControlUse::run) ||
+         (under_way != nullptr && under_way->use == ControlUse::run);
+}
+
 }  // namespace process

@@ -10,7 +10,8 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
              canopen::Bus& bus, const std::vector<Observer*>& observers)
     : model_(model),
       index_(index),
-      observers_(observers),
+      bus_(model.bus),
+      observers_(&observers),
       image_(model),
       node_(executor, bus, model.node, *this),
       inputs_(
@@ -34,7 +35,7 @@ Drive::Drive(const boost::asio::any_io_executor& executor, const config::Drive& 
 
 template <class Tell>
 void Drive::tell(Tell tell_one) const {
-  for (Observer* observer : observers_) {
+  for (Observer* observer : *observers_) {
     tell_one(*observer);
   }
 }

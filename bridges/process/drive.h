@@ -2,6 +2,9 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +34,14 @@ class Bus;
 
 namespace process {
 
+/// Whether the motor of a drive turns, as far as anybody can tell.
+enum class Turning : std::uint8_t {
+  no,       ///< Or the drive is offline: nothing is known of it.
+  yes,      ///< `running` says so, or it was commanded to and nothing has ended that.
+  unknown,  ///< The drive is online, and `running` is not fresh.
+  untold    ///< Its profile has no `running`.
+};
+
 /// One drive as the bridges see it: its model, its image, its alarms, its status, and the one way for commands. What
 /// its remote node tells it hands to inputs, alarms and commands, and what changes to the observers.
 class Drive final : private canopen::NodeEvents, private Inputs::Listener, private Commands::Listener {
@@ -52,7 +63,20 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   boost::asio::awaitable<void> stop();
 
   [[nodiscard]] const config::Drive& model() const noexcept { return model_; }
-  [[nodiscard]] std::size_t index() const noexcept { return index_; }  ///< Position in config::Model::drives.
+  /// Position in config::Model::drives. Both change with the plant's model.
+  [[nodiscard]] std::size_t index() const noexcept { return index_; }
+  /// Position in config::Model::buses; that in model() is as it was when this drive was made.
+  [[nodiscard]] std::size_t bus() const noexcept { return bus_; }
+  void set_place(std::size_t index, std::size_t bus) noexcept {
+    index_ = index;
+    bus_ = bus;
+  }
+  /// It was left out of the plant: who still asks it something is answered, and no observer hears of that.
+  void leave();
+  [[nodiscard]] Turning turning() const;
+  /// What a change of its configuration waits for, for people; empty: none waits.
+  void set_pending_change(std::string waits_for);
+  [[nodiscard]] const std::string& pending_change() const noexcept { return pending_change_; }
   [[nodiscard]] const Image& image() const noexcept { return image_; }
   [[nodiscard]] const canopen::NodeStatus& status() const noexcept { return node_.status(); }
   [[nodiscard]] const alarms::Alarm& alarm(alarms::AlarmKind kind) const noexcept { return alarms_.alarm(kind); }
@@ -176,7 +200,9 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
 
   const config::Drive& model_;
   std::size_t index_;
-  const std::vector<Observer*>& observers_;
+  std::size_t bus_;
+  std::string pending_change_;
+  const std::vector<Observer*>* observers_;
   Image image_;
   canopen::RemoteNode node_;
   Inputs inputs_;

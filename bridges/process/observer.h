@@ -12,6 +12,7 @@ namespace process {
 class Drive;
 struct CommandRecord;
 struct Outcome;
+struct PlantChange;
 
 /// What a bridge is told, in the same synchronous call in which it happened. It never calls back into the drive from
 /// inside, but reads it as it likes. Nothing here waits.
@@ -36,6 +37,11 @@ class Observer {
   virtual void on_bus_alarm(std::size_t /*bus*/) {}
   /// Something about a drive that a person should know and nothing acts upon: for the log.
   virtual void on_remark(const Drive& /*drive*/, const std::string& /*text*/) {}
+
+  /// The configuration changed while the plant runs: Plant::model() is another one, and drives and buses have other
+  /// positions. A drive that stays is the same object; one that was left is gone after this call. The new ones have not
+  /// started.
+  virtual void on_plant_change(const PlantChange& /*change*/) {}
 
  protected:
   ~Observer() = default;

@@ -5,113 +5,17 @@
 #include <string_view>
 #include <utility>
 
-#include "bridges/alarms/alarm_record.h"
-#include "bridges/alarms/bus_findings.h"
 #include "bridges/process/observer.h"
+#include "bridges/process/plant_body.h"
 
 namespace process {
-class Plant::Body {
- public:
-  struct Line {
-    BusPort port;
-    canopen::BusState state{};
-    canopen::BusTroubles troubles{};
-    alarms::AlarmRecord alarm{};
-    bool told = false;  ///< The bus told its state.
-  };
 
-  Body(const boost::asio::any_io_executor& executor, const config::Model& plant_model, std::vector<BusPort> buses)
-      : model(plant_model) {
-    for (std::size_t i = 0; i < buses.size(); ++i) {
-      lines.push_back({.port = std::move(buses[i])});
-    }
-    for (std::size_t i = 0; i < model.drives.size(); ++i) {
-      const config::Drive& drive = model.drives[i];
-      drives.push_back(std::make_unique<Drive>(executor, drive, i, *lines[drive.bus].port.bus, observers));
-      drives.back()->on_fault_began([this, i](alarms::AlarmKind kind, canopen::TimePoint at) {
-        first_out.on_fault({.index = i, .kind = kind}, at, drives[i]->alarm(kind).first);
-      });
-      drives.back()->on_doubled_change([this, bus = drive.bus] { show(bus); });
-    }
-  }
+Plant::Plant(const boost::asio::any_io_executor& executor, std::shared_ptr<const config::Model> model,
+             std::vector<BusPort> buses)
+    : body_(std::make_unique<Body>(executor, std::move(model), std::move(buses))) {}
 
-  [[nodiscard]] Drive* find(std::string_view name) const noexcept {
-    const auto found =
-        std::ranges::find(drives, name, [](const auto& drive) -> const std::string& { return drive->model().name; });
-    return found == drives.end() ? nullptr : found->get();
-  }
-
-  [[nodiscard]] std::vector<alarms::BusFinding> findings(std::size_t bus) const {
-    alarms::BusView view{.state = lines[bus].state,
-                         .interface = model.buses[bus].interface,
-                         .own_node_id = model.buses[bus].node_id,
-                         .troubles = lines[bus].troubles,
-                         .doubled = {},
-                         .other_gateway = other_gateway};
-    for (const auto& drive : drives) {
-      const canopen::NodeStatus& status = drive->status();
-      if (drive->model().bus == bus && status.doubled != canopen::Doubled::no) {
-        view.doubled.push_back({.drive = drive->model().name,
-                                .node = drive->model().node.node,
-                                .proof = status.doubled == canopen::Doubled::proof,
-                                .text = status.doubled_text});
-      }
-    }
-    return alarms::bus_findings(view);
-  }
-
-  void show(std::size_t bus) {
-    alarms::AlarmRecord& alarm = lines[bus].alarm;
-    if (!lines[bus].told || !show(findings(bus), lines[bus].state, alarm)) {
-      return;
-    }
-    if (alarm.fault_began()) {
-      telling_bus = bus;
-      first_out.on_fault({.bus = true, .index = bus}, canopen::Clock::now(), alarm.alarm().first);
-      telling_bus.reset();
-    }
-    tell_bus_alarm(bus);
-  }
-
-  /// Reason and severity are those of the worst, the text names all. Where nothing is wrong the text says so.
-  static bool show(const std::vector<alarms::BusFinding>& findings, const canopen::BusState& state,
-                   alarms::AlarmRecord& alarm) {
-    if (findings.empty()) {
-      return alarm.show(false, "", std::string(canopen::describe(state.condition)), config::Severity::warning,
-                        canopen::wall_now());
-    }
-    std::string text;
-    for (const alarms::BusFinding& finding : findings) {
-      text += (text.empty() ? "" : "; ") + finding.text;
-    }
-    return alarm.show(true, std::string(findings.front().reason), text, findings.front().severity, canopen::wall_now());
-  }
-
-  void set_first(const alarms::FaultSource& source, bool first) {
-    if (!source.bus) {
-      drives[source.index]->set_first(source.kind, first);
-    } else if (lines[source.index].alarm.set_first(first, canopen::wall_now()) && telling_bus != source.index) {
-      tell_bus_alarm(source.index);
-    }
-  }
-
-  void tell_bus_alarm(std::size_t bus) const {
-    for (Observer* observer : observers) {
-      observer->on_bus_alarm(bus);
-    }
-  }
-
-  const config::Model& model;
-  bool other_gateway = false;
-  std::vector<Observer*> observers;
-  std::vector<Line> lines;
-  std::vector<std::unique_ptr<Drive>> drives;
-  alarms::FirstOut first_out{[this](const alarms::FaultSource& source, bool first) { set_first(source, first); }};
-  std::optional<std::size_t> telling_bus;  ///< Its alarm is told of as soon as its flag is known.
-};
-
-Plant::Plant(boost::asio::any_io_executor executor, const config::Model& model, std::vector<BusPort> buses)
-    : body_(std::make_unique<Body>(executor, model, std::move(buses))) {}
+Plant::Plant(const boost::asio::any_io_executor& executor, const config::Model& model, std::vector<BusPort> buses)
+    : Plant(executor, std::shared_ptr<const config::Model>(std::shared_ptr<void>(), &model), std::move(buses)) {}
 
 Plant::~Plant() = default;
 
@@ -119,26 +23,45 @@ void Plant::add(Observer& observer) {
   body_->observers.push_back(&observer);
 }
 
+void Plant::remove(Observer& observer) {
+  std::erase(body_->observers, &observer);
+}
+
+void Plant::set_journal(CommandJournal* journal) {
+  body_->journal = journal;
+  for (const Body::Place& place : body_->drives) {
+    place.drive->set_journal(journal);
+  }
+}
+
 void Plant::start() {
-  for (const auto& drive : body_->drives) {
-    drive->start();
+  for (const Body::Place& place : body_->drives) {
+    place.drive->start();
   }
 }
 
 void Plant::close() {
-  for (const auto& drive : body_->drives) {
-    drive->close();
+  for (const Body::Place& place : body_->drives) {
+    place.drive->close();
   }
 }
 
 boost::asio::awaitable<void> Plant::stop() {
-  for (const auto& drive : body_->drives) {
-    co_await drive->stop();
+  for (const Body::Place& place : body_->drives) {
+    co_await place.drive->stop();
   }
 }
 
 const config::Model& Plant::model() const noexcept {
+  return *body_->model;
+}
+
+const std::shared_ptr<const config::Model>& Plant::shared_model() const noexcept {
   return body_->model;
+}
+
+std::uint64_t Plant::changes() const noexcept {
+  return body_->changes;
 }
 
 std::size_t Plant::size() const noexcept {
@@ -146,11 +69,11 @@ std::size_t Plant::size() const noexcept {
 }
 
 Drive& Plant::drive(std::size_t index) noexcept {
-  return *body_->drives[index];
+  return *body_->drives[index].drive;
 }
 
 const Drive& Plant::drive(std::size_t index) const noexcept {
-  return *body_->drives[index];
+  return *body_->drives[index].drive;
 }
 
 Drive* Plant::find(std::string_view name) noexcept {
@@ -164,13 +87,13 @@ const Drive* Plant::find(std::string_view name) const noexcept {
 std::size_t Plant::online() const noexcept {
   const auto& drives = body_->drives;
   return static_cast<std::size_t>(
-      std::count_if(drives.begin(), drives.end(), [](const auto& drive) { return drive->status().online; }));
+      std::count_if(drives.begin(), drives.end(), [](const auto& place) { return place.drive->status().online; }));
 }
 
 std::size_t Plant::with_alarm() const noexcept {
   const auto& drives = body_->drives;
-  return static_cast<std::size_t>(std::count_if(drives.begin(), drives.end(), [](const auto& drive) {
-    return drive->has_fault_alarm() || drive->has_warning_alarm();
+  return static_cast<std::size_t>(std::count_if(drives.begin(), drives.end(), [](const auto& place) {
+    return place.drive->has_fault_alarm() || place.drive->has_warning_alarm();
   }));
 }
 
@@ -243,9 +166,9 @@ std::vector<ActiveAlarm> Plant::active_alarms() const {
       active.insert(later, one);
     }
   };
-  for (const auto& drive : body_->drives) {
+  for (const Body::Place& place : body_->drives) {
     for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-      add({.drive = drive.get(), .kind = kind, .alarm = &drive->alarm(kind)});
+      add({.drive = place.drive.get(), .kind = kind, .alarm = &place.drive->alarm(kind)});
     }
   }
   for (std::size_t bus = 0; bus < body_->lines.size(); ++bus) {

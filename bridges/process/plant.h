@@ -3,6 +3,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,6 +18,8 @@
 #include "config/model.h"
 
 namespace process {
+
+struct PlantChange;
 
 struct ActiveAlarm {
   const Drive* drive = nullptr;  ///< Null: it is of a bus.
@@ -33,20 +36,42 @@ class Plant {
     std::function<canopen::BusStatistics()> statistics;
   };
 
-  /// `model` outlives the plant; `buses` stand in the order of model.buses.
-  Plant(boost::asio::any_io_executor executor, const config::Model& model, std::vector<BusPort> buses);
+  /// `buses` stand in the order of model.buses. The model lives as long as anything was made of it.
+  Plant(const boost::asio::any_io_executor& executor, std::shared_ptr<const config::Model> model,
+        std::vector<BusPort> buses);
+  /// The same with a model that outlives the plant.
+  Plant(const boost::asio::any_io_executor& executor, const config::Model& model, std::vector<BusPort> buses);
   ~Plant();
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
 
-  /// Before start(); observers outlive the plant or its stop().
+  /// Before start(), or while nobody is told anything; observers outlive the plant or its stop(), or are removed.
   void add(Observer& observer);
+  void remove(Observer& observer);
+  /// Of all drives, see Drive::set_journal(). Before start().
+  void set_journal(CommandJournal* journal);
   void start();
   /// The end is near, see Drive::close(). Before stop().
   void close();
   boost::asio::awaitable<void> stop();
 
+  /// The configuration changes while the plant runs: first those drives are stopped, by their positions, which goes on
+  /// for some turns of the loop; all others do not notice. Commands to them are answered `offline`.
+  boost::asio::awaitable<void> stop(std::vector<std::size_t> drives);
+  /// Then, at once, `model` is the plant's. `from` tells which drives and buses are the same ones: those stay as they
+  /// are; all others that were there are stopped. `buses` in the order of the new model. New drives are made and begin
+  /// as after a start of the gateway; one that has the name of one that left has its alarms, as over a restart. So has
+  /// a bus. All observers are told before any drive begins.
+  void change(std::shared_ptr<const config::Model> model, std::vector<BusPort> buses, const PlantChange& from);
+  /// Drives that left are kept, stopped, until this is called: who waited for an answer of one may still look at it.
+  /// Before their buses go.
+  void forget_left();
+  /// Grows with each change: who goes over drives or buses by their positions, in pieces, sees that these are others.
+  [[nodiscard]] std::uint64_t changes() const noexcept;
+
+  /// Of now: it is another one after a change().
   [[nodiscard]] const config::Model& model() const noexcept;
+  [[nodiscard]] const std::shared_ptr<const config::Model>& shared_model() const noexcept;
   [[nodiscard]] std::size_t size() const noexcept;  ///< Drives.
   [[nodiscard]] Drive& drive(std::size_t index) noexcept;
   [[nodiscard]] const Drive& drive(std::size_t index) const noexcept;

@@ -27,7 +27,7 @@ struct Round {
 boost::asio::awaitable<void> stop_one(Drive& drive, Origin origin, Round& round) {
   const Outcome outcome = co_await drive.stop_motor(std::move(origin));
   if (outcome.has_error()) {
-    round.not_stopped.push_back({.drive = drive.index(), .error = outcome.error()});
+    round.not_stopped.push_back({.drive = drive.index(), .name = drive.model().name, .error = outcome.error()});
   }
   --round.waiting;
   round.ended.notify();

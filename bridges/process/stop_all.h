@@ -2,6 +2,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "bridges/process/command.h"
@@ -12,8 +13,9 @@ namespace process {
 
 /// A drive that a stop for all did not stop, as far as anybody knows.
 struct NotStopped {
-  std::size_t drive = 0;  ///< Position in the plant.
-  canopen::Error error;   ///< `unknown` where no stop value of it is known.
+  std::size_t drive = 0;  ///< Position in the plant when it answered; the plant may have changed since.
+  std::string name;
+  canopen::Error error;  ///< `unknown` where no stop value of it is known.
 };
 
 /// How many drives in service take commands of this writer: those that a stop for all is for.

@@ -5,7 +5,9 @@
 #include <string_view>
 #include <utility>
 
+#include "bridges/process/plant_change.h"
 #include "bridges/text/timestamp.h"
+#include "config/difference.h"
 #include "config/log_interface.h"
 
 namespace recorder {
@@ -14,18 +16,37 @@ using canopen::Clock;
 
 Recorder::Recorder(const boost::asio::any_io_executor& executor, process::Plant& plant, KeptAt at,
                    std::function<bool(std::size_t bus, canopen::TimePoint until)> may_still_hear, Notices notices)
-    : plant_(plant),
+    : executor_(executor),
+      plant_(plant),
       settings_(plant.model().recorder.value_or(config::Recorder{})),
       may_still_hear_(std::move(may_still_hear)),
       notices_(std::move(notices)),
       drives_(plant.size()),
       keeper_(executor, std::move(at), [this](const std::string& text) { notices_.warning(text); }) {
-  const std::vector<config::Bus>& buses = plant.model().buses;
-  for (std::size_t i = 0; i < buses.size(); ++i) {
-    lines_.push_back(std::make_unique<Line>(executor, settings_.before,
-                                            most_frames(buses[i].bitrate, settings_.before + settings_.after),
-                                            [this, i] { on_end(i); }));
+  for (std::size_t i = 0; i < plant.model().buses.size(); ++i) {
+    lines_.push_back(make_line(i));
   }
+}
+
+std::unique_ptr<Recorder::Line> Recorder::make_line(std::size_t bus) {
+  auto line = std::make_unique<Line>(executor_, settings_.before,
+                                     most_frames(plant_.model().buses[bus].bitrate, settings_.before + settings_.after),
+                                     [this](std::size_t at) { on_end(at); });
+  line->bus = bus;
+  return line;
+}
+
+void Recorder::on_plant_change(const process::PlantChange& change) {
+  for (std::size_t bus = 0; bus < lines_.size(); ++bus) {
+    if (lines_[bus]->under_way && std::ranges::find(change.buses, std::optional(bus)) == change.buses.end()) {
+      finish(bus, "the configuration of the bus was changed");
+    }
+  }
+  lines_ = process::realigned(std::move(lines_), change.buses, [this](std::size_t bus) { return make_line(bus); });
+  for (std::size_t bus = 0; bus < lines_.size(); ++bus) {
+    lines_[bus]->bus = bus;
+  }
+  drives_ = process::realigned(std::move(drives_), change.drives, [](std::size_t) { return OfDrive{}; });
 }
 
 void Recorder::start() {
@@ -46,7 +67,7 @@ boost::asio::awaitable<void> Recorder::stop() {
 void Recorder::on_command_done(const process::Drive& drive, const process::CommandRecord& record,
                                const process::Outcome& outcome) {
   const canopen::TimePoint now = Clock::now();
-  Line& line = *lines_[drive.model().bus];
+  Line& line = *lines_[drive.bus()];
   const canopen::TimePoint wanted = now - settings_.before;
   line.commands.add(command_text(record, outcome, now), now,
                     line.under_way ? std::min(wanted, line.under_way->from) : wanted);
@@ -55,7 +76,7 @@ void Recorder::on_command_done(const process::Drive& drive, const process::Comma
 void Recorder::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {
   const alarms::Alarm& alarm = drive.alarm(kind);
   const bool is_begin = begins(alarm, drives_[drive.index()].at(static_cast<std::size_t>(kind)));
-  note(drive.model().bus, {drive.model().name, kind, alarm, alarm}, is_begin);
+  note(drive.bus(), {drive.model().name, kind, alarm, alarm}, is_begin);
 }
 
 void Recorder::on_bus_alarm(std::size_t bus) {
@@ -197,16 +218,19 @@ void Recorder::on_kept(const Record& record) {
   const std::string name = to_text(record.name) + std::string(kLogSuffix);
   notices_.info(record.bus + ": record " + name + " is kept");
   for (const RecordedAlarm& alarm : record.alarms) {
-    set_record(record.bus_index, alarm, name);
+    set_record(record.bus, alarm, name);
   }
 }
 
-void Recorder::set_record(std::size_t bus, const RecordedAlarm& alarm, const std::string& name) {
+void Recorder::set_record(const std::string& bus, const RecordedAlarm& alarm, const std::string& name) {
   process::Drive* const drive = alarm.kind ? plant_.find(alarm.drive) : nullptr;
   if (drive != nullptr && drive->alarm(*alarm.kind).id == alarm.alarm.id) {
     drive->set_record(*alarm.kind, name);
-  } else if (!alarm.kind && plant_.bus_alarm(bus).id == alarm.alarm.id) {
-    plant_.set_bus_record(bus, name);
+    return;
+  }
+  const auto at = config::find_named(plant_.model().buses, bus);
+  if (!alarm.kind && at && plant_.bus_alarm(*at).id == alarm.alarm.id) {
+    plant_.set_bus_record(*at, name);
   }
 }
 

@@ -70,6 +70,8 @@ class Recorder final : public process::Observer {
                        const process::Outcome& outcome) override;
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus_alarm(std::size_t bus) override;
+  /// A record of a bus that left is ended. The rings of buses that are new are to be shown their frames.
+  void on_plant_change(const process::PlantChange& change) override;
 
  private:
   /// What makes a begin of it.
@@ -84,9 +86,10 @@ class Recorder final : public process::Observer {
   };
   struct Line {
     Line(const boost::asio::any_io_executor& executor, canopen::Duration kept, std::size_t most,
-         std::function<void()> on_end)
-        : ring(kept, most), end(executor, std::move(on_end)) {}
+         std::function<void(std::size_t bus)> on_end)
+        : ring(kept, most), end(executor, [this, told = std::move(on_end)] { told(bus); }) {}
     FrameRing ring;
+    std::size_t bus = 0;  ///< Its position.
     CommandTrail commands;
     std::optional<UnderWay> under_way;
     canopen::WakeUp end;
@@ -94,6 +97,7 @@ class Recorder final : public process::Observer {
   };
   using OfDrive = std::array<Activation, alarms::kAlarmKinds.size()>;
 
+  [[nodiscard]] std::unique_ptr<Line> make_line(std::size_t bus);
   /// It changed, and a fault of it begins now.
   [[nodiscard]] bool begins(const alarms::Alarm& alarm, Activation& before) const;
   void note(std::size_t bus, RecordedAlarm now, bool is_begin);
@@ -104,8 +108,9 @@ class Recorder final : public process::Observer {
   void on_kept(const Record& record);
   /// Alarms name no record that is gone.
   void forget_removed();
-  void set_record(std::size_t bus, const RecordedAlarm& alarm, const std::string& name);
+  void set_record(const std::string& bus, const RecordedAlarm& alarm, const std::string& name);
 
+  boost::asio::any_io_executor executor_;
   process::Plant& plant_;
   config::Recorder settings_;
   std::function<bool(std::size_t bus, canopen::TimePoint until)> may_still_hear_;

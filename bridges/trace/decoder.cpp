@@ -13,8 +13,14 @@ constexpr std::uint32_t kLastPdo = 0x57F;
 
 }  // namespace
 
-Decoder::Decoder(const config::Model& model, std::optional<std::size_t> bus)
-    : bus_(bus ? std::optional(static_cast<std::uint16_t>(*bus)) : std::nullopt), places_(canopen::kMaxCobId + 1) {
+Decoder::Decoder(const config::Model& model, std::optional<std::size_t> bus) {
+  place(model, bus);
+}
+
+void Decoder::place(const config::Model& model, std::optional<std::size_t> bus) {
+  bus_ = bus ? std::optional(static_cast<std::uint16_t>(*bus)) : std::nullopt;
+  places_.assign(canopen::kMaxCobId + 1, {});
+  drives_ = {};
   for (std::size_t i = 0; bus && i < model.drives.size(); ++i) {
     const config::Drive& drive = model.drives[i];
     if (drive.bus == *bus && drive.node.node < kNodes) {

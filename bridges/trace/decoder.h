@@ -17,6 +17,8 @@ class Decoder {
  public:
   /// `bus`: position in the model's buses; nothing: a bus that it does not have, whose nodes are strangers.
   Decoder(const config::Model& model, std::optional<std::size_t> bus);
+  /// The configuration is another one; what is under way on the bus goes on.
+  void place(const config::Model& model, std::optional<std::size_t> bus);
 
   [[nodiscard]] Entry decode(const canopen::Frame& frame, canopen::WallTime at, canopen::FrameOrigin origin) noexcept;
   /// Frames were lost: what was under way may be over.

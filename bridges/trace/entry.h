@@ -75,6 +75,7 @@ struct Entry {
   bool guarded = false;                    ///< The answer to a guarding request.
   SdoPart sdo{};
   std::uint32_t lost = 0;  ///< >0: no frame; so many at least were lost on the way here.
+  bool gone = false;       ///< Of a bus that is not configured any more: nobody is shown it.
 };
 
 }  // namespace trace

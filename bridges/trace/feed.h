@@ -10,6 +10,7 @@
 #include "bridges/trace/entry.h"
 #include "bridges/trace/filter.h"
 #include "canopen/bus/bus.h"
+#include "config/difference.h"
 #include "config/model.h"
 
 namespace trace {
@@ -27,6 +28,12 @@ class Feed {
   ~Feed();
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
+
+  /// The configuration is another one, of which `from_drives` and `from_buses` tell what is the same as before (see
+  /// config::Difference). Readers go on; frames that wait for them are of the drives that there are now. The model of
+  /// before is still there.
+  void change(const config::Model& model, std::vector<canopen::Bus*> buses, const config::Difference::From& from_drives,
+              const config::Difference::From& from_buses);
 
   /// One who reads, from the next frame on. Once the feed is gone there is nothing more.
   class Reader {
@@ -48,7 +55,7 @@ class Feed {
         if (entry == nullptr) {
           return false;
         }
-        if (passes(model_, filter_, *entry)) {
+        if (passes(*model_, filter_, *entry)) {
           if (most == 0) {
             return true;
           }
@@ -62,7 +69,7 @@ class Feed {
     /// Frames that were overtaken before they were looked at, since this was asked last. So many of those that would
     /// have passed are missing at most: nobody looks at them any more.
     [[nodiscard]] std::uint64_t take_lost() noexcept;
-    [[nodiscard]] const config::Model& model() const noexcept { return model_; }
+    [[nodiscard]] const config::Model& model() const noexcept { return *model_; }
 
    private:
     friend class Feed;
@@ -72,13 +79,13 @@ class Feed {
     [[nodiscard]] const Entry* next() noexcept;
 
     Feed* feed_;  ///< Null: it is gone.
-    const config::Model& model_;
+    const config::Model* model_;
     Filter filter_;
     std::uint64_t next_;
     std::uint64_t lost_ = 0;
   };
 
-  [[nodiscard]] const config::Model& model() const noexcept { return model_; }
+  [[nodiscard]] const config::Model& model() const noexcept { return *model_; }
   [[nodiscard]] std::size_t readers() const noexcept { return readers_.size(); }
 
  private:
@@ -90,7 +97,7 @@ class Feed {
   [[nodiscard]] std::uint64_t oldest() const noexcept { return next_ < kKept ? 0 : next_ - kKept; }
   [[nodiscard]] Entry& at(std::uint64_t number) noexcept { return entries_[number % kKept]; }
 
-  const config::Model& model_;
+  const config::Model* model_;
   std::vector<canopen::Bus*> buses_;
   std::vector<std::unique_ptr<Tap>> taps_;
   std::vector<Entry> entries_;  ///< A ring.

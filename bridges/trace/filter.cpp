@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "canopen/hex.h"
+#include "config/difference.h"
 
 namespace trace {
 namespace {
@@ -58,6 +59,7 @@ std::optional<Error> take_names(const config::Model& model, std::string_view nam
   }
   filter.drives.assign(model.drives.size(), false);
   filter.buses.assign(model.buses.size(), false);
+  filter.by_name = true;
   for (const std::string_view name : wanted) {
     const bool is_drive = mark(model.drives, name, filter.drives);
     const bool is_bus = mark(model.buses, name, filter.buses);
@@ -98,6 +100,22 @@ std::optional<Error> take_cob_ids(std::string_view cob_ids, Filter& filter) {
   return std::nullopt;
 }
 
+// A filter that was made just before the configuration changed may be of another length.
+bool is_marked(const std::vector<bool>& marks, std::size_t position) {
+  return position < marks.size() && marks[position];
+}
+
+template <class Named>
+std::vector<bool> moved_marks(const std::vector<bool>& marks, const std::vector<Named>& before,
+                              const std::vector<Named>& now) {
+  std::vector<bool> moved;
+  for (const Named& one : now) {
+    const auto was_at = config::find_named(before, one.name);
+    moved.push_back(was_at && is_marked(marks, *was_at));
+  }
+  return moved;
+}
+
 bool has_kind(const Filter& filter, const Entry& entry) {
   return (filter.kinds >> static_cast<unsigned>(entry.kind) & 1U) != 0;
 }
@@ -109,13 +127,13 @@ bool has_cob_id(const Filter& filter, const Entry& entry) {
 
 bool is_of_drive(const config::Model& model, const Filter& filter, const Entry& entry) {
   if (entry.drive) {
-    return filter.drives.at(*entry.drive);
+    return is_marked(filter.drives, *entry.drive);
   }
   if (entry.lost == 0 && !(entry.kind == Kind::nmt && entry.node == 0)) {
     return false;
   }
-  for (std::size_t i = 0; i < filter.drives.size(); ++i) {
-    if (filter.drives.at(i) && entry.bus && model.drives.at(i).bus == *entry.bus) {
+  for (std::size_t i = 0; i < model.drives.size(); ++i) {
+    if (is_marked(filter.drives, i) && entry.bus && model.drives.at(i).bus == *entry.bus) {
       return true;
     }
   }
@@ -138,11 +156,19 @@ Result<Filter> make_filter(const config::Model& model, const FilterWords& words)
   return filter;
 }
 
+Filter moved(Filter filter, const config::Model& before, const config::Model& now) {
+  if (filter.by_name) {
+    filter.drives = moved_marks(filter.drives, before.drives, now.drives);
+    filter.buses = moved_marks(filter.buses, before.buses, now.buses);
+  }
+  return filter;
+}
+
 bool passes(const config::Model& model, const Filter& filter, const Entry& entry) {
-  if (entry.lost == 0 && (!has_kind(filter, entry) || !has_cob_id(filter, entry))) {
+  if (entry.gone || (entry.lost == 0 && (!has_kind(filter, entry) || !has_cob_id(filter, entry)))) {
     return false;
   }
-  return filter.drives.empty() || (entry.bus && filter.buses.at(*entry.bus)) || is_of_drive(model, filter, entry);
+  return !filter.by_name || (entry.bus && is_marked(filter.buses, *entry.bus)) || is_of_drive(model, filter, entry);
 }
 
 }  // namespace trace

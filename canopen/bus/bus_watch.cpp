@@ -26,7 +26,7 @@ BusWatch::BusWatch(const boost::asio::any_io_executor& executor, Bus& bus, bool 
 void BusWatch::watch_commands_to(const NodeSettings& node) {
   for (const PdoSettings& rpdo : node.rpdos) {
     if (std::any_of(rpdo.mapping.begin(), rpdo.mapping.end(), is_commanded)) {
-      subscriptions_.push_back(bus_.subscribe(
+      commands_.push_back(bus_.subscribe(
           rpdo.cob_id, [this, id = node.node](const Received& received) { hear(MasterSign::rpdo, received.at, id); }));
     }
   }

@@ -34,8 +34,10 @@ class BusWatch {
   BusWatch& operator=(const BusWatch&) = delete;
   ~BusWatch() = default;
 
-  /// Before start(): RPDOs of this node that carry commands are ours to send.
+  /// RPDOs of this node that carry commands are ours to send.
   void watch_commands_to(const NodeSettings& node);
+  /// Those of no node, until one is named again.
+  void forget_commands() { commands_.clear(); }
   void start();
   void stop() { timer_.cancel(); }
 
@@ -57,6 +59,7 @@ class BusWatch {
   BusTroubles troubles_;
   WakeUp timer_;
   std::vector<Subscription> subscriptions_;
+  std::vector<Subscription> commands_;  ///< To nodes that were named.
 };
 
 }  // namespace canopen

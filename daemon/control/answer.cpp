@@ -65,8 +65,7 @@ std::string read_data(std::string_view id, mqtt::SdoForm form, const std::vector
   return mqtt::sdo_answer({.id = std::string(id)}, data, form).payload;
 }
 
-std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,
-                        std::span<const process::NotStopped> not_stopped) {
+std::string stop_answer(std::string_view id, std::size_t asked, std::span<const process::NotStopped> not_stopped) {
   if (asked == 0) {
     return refusal(id, {.kind = canopen::ErrorKind::forbidden,
                         .detail = "no drive takes commands of the command line: none names \"local\" in writers"});
@@ -80,7 +79,7 @@ std::string stop_answer(std::string_view id, const process::Plant& plant, std::s
   }
   std::string names;
   for (const process::NotStopped& each : not_stopped) {
-    names.append(names.empty() ? "" : "; ").append(plant.drive(each.drive).model().name).append(": ");
+    names.append(names.empty() ? "" : "; ").append(each.name).append(": ");
     names += canopen::to_string(each.error);
   }
   return refusal(id, {.kind = not_stopped.front().error.kind, .detail = "not confirmed by all: " + names});

@@ -8,7 +8,6 @@
 
 #include "bridges/mqtt/sdo_request.h"
 #include "bridges/process/command.h"
-#include "bridges/process/plant.h"
 #include "bridges/process/stop_all.h"
 #include "canopen/error.h"
 #include "canopen/object.h"
@@ -30,7 +29,7 @@ namespace gateway::control {
 [[nodiscard]] std::string read_data(std::string_view id, mqtt::SdoForm form, const std::vector<std::uint8_t>& data);
 
 /// `{"id":7,"ok":true,"stopped":2}`, or a refusal that names those of the `asked` drives that did not confirm.
-[[nodiscard]] std::string stop_answer(std::string_view id, const process::Plant& plant, std::size_t asked,
+[[nodiscard]] std::string stop_answer(std::string_view id, std::size_t asked,
                                       std::span<const process::NotStopped> not_stopped);
 
 /// `{"id":7,"ok":true,"status":{…}}`; `status` is JSON text.

@@ -165,7 +165,7 @@ awaitable<std::string> stop(Plant& plant, Asked asked) {
   const std::size_t drives = process::commanded_by(plant, writer_of(asked));
   process::Origin origin = origin_of(asked);
   const std::vector<process::NotStopped> not_stopped = co_await process::stop_all(plant, std::move(origin));
-  co_return stop_answer(asked.id, plant, drives, not_stopped);
+  co_return stop_answer(asked.id, drives, not_stopped);
 }
 
 /// What is told beside the drives.

@@ -27,9 +27,13 @@ std::string told(const std::string& id, const recorder::Recorder::Requested& req
 
 }  // namespace
 
+canopen::Error nothing_recorded() {
+  return not_there("nothing is recorded: the configuration has no [recorder], or no state_dir");
+}
+
 std::string record_answer(const Asked& asked, const process::Plant& plant, const RecordRequest& request) {
   if (!request) {
-    return refusal(asked.id, not_there("nothing is recorded: the configuration has no [recorder], or no state_dir"));
+    return refusal(asked.id, nothing_recorded());
   }
   std::size_t bus = 0;
   if (!asked.request.drive.empty()) {
@@ -37,7 +41,7 @@ std::string record_answer(const Asked& asked, const process::Plant& plant, const
     if (drive == nullptr) {
       return refusal(asked.id, not_there("no drive \"" + asked.request.drive + "\""));
     }
-    bus = drive->model().bus;
+    bus = drive->bus();
   } else {
     const std::vector<config::Bus>& buses = plant.model().buses;
     const auto found = std::ranges::find(buses, asked.request.bus, &config::Bus::name);

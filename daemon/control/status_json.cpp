@@ -119,7 +119,7 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   const canopen::NodeStatus& status = drive.status();
   ObjectText object(out);
   object.text("name", drive.model().name);
-  object.text("bus", plant.model().buses[drive.model().bus].name);
+  object.text("bus", plant.model().buses[drive.bus()].name);
   object.integer("node", drive.model().node.node);
   object.text("profile", drive.model().profile);
   object.boolean("enabled", drive.model().enabled);
@@ -127,6 +127,9 @@ void append_drive_status(std::string& out, const process::Plant& plant, std::siz
   object.text("nmt", canopen::name_of(status.nmt_now()));
   object.text("boot", boot_of(status.boot_result));
   object.text("boot_text", status.boot_text);
+  if (!drive.pending_change().empty()) {
+    object.text("reload", drive.pending_change());
+  }
   if (status.last_heartbeat && ages == Ages::shown) {
     object.key("heartbeat_age") += seconds(now - *status.last_heartbeat);
   } else {

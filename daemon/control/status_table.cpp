@@ -143,6 +143,9 @@ std::string remarks(const json::object& drive) {
   if (const std::string text = shown(drive, "boot_text"); !text.empty()) {
     out += fmt::format("{}: boot: {}\n", name, text);
   }
+  if (const std::string reload = shown(drive, "reload"); !reload.empty()) {
+    out += fmt::format("{}: its new configuration {}\n", name, reload);
+  }
   if (const std::string holder = holder_of(drive); !holder.empty()) {
     out += fmt::format("{}: held by {}\n", name, holder);
   }

@@ -11,7 +11,7 @@ WatchStream::WatchStream(const process::Plant& plant, std::string id, canopen::T
     : plant_(plant), id_(std::move(id)), started_(started), surveys_(std::move(surveys)) {}
 
 bool WatchStream::take(std::string& lines) {
-  if (!drive_) {
+  if (!drive_ || configuration_ != plant_.changes()) {
     begin();
   }
   for (std::size_t i = 0; i < kDrivesAtOnce && *drive_ < plant_.size(); ++i) {
@@ -32,6 +32,7 @@ bool WatchStream::take(std::string& lines) {
 
 void WatchStream::begin() {
   drive_ = 0;
+  configuration_ = plant_.changes();
   hash_ = 0;
   status_ = status_head(plant_, started_, canopen::Clock::now(), surveys_);
   for (std::size_t i = 0; i < plant_.model().buses.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -35,6 +36,7 @@ class WatchStream final : public Stream {
   std::string id_;
   canopen::TimePoint started_;
   Surveys surveys_;
+  std::uint64_t configuration_ = 0;   ///< Plant::changes() of the status that is worded.
   std::optional<std::size_t> drive_;  ///< The next one to be worded; nothing: a status is to be begun.
   std::string status_;
   std::size_t hash_ = 0;  ///< Of all that is a change where it is another.

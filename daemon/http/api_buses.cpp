@@ -7,7 +7,11 @@ namespace gateway::http {
 Answer buses(const Site& site) {
   Answer answer;
   answer.body = "[";
-  answer.rest = [&site, bus = std::size_t{0}](std::string& text) mutable {
+  answer.rest = [&site, bus = std::size_t{0}, configuration = site.plant.changes()](std::string& text) mutable {
+    if (configuration != site.plant.changes()) {
+      text += "]";  // Meanwhile the buses became others.
+      return Progress{};
+    }
     const std::size_t count = site.survey ? site.plant.model().buses.size() : 0;
     if (bus < count) {
       text += bus == 0 ? "" : ",";

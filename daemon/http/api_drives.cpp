@@ -20,11 +20,17 @@ Answer drives(const Site& site) {
     return {.body = "[]"};
   }
   Answer answer{.body = "["};
-  answer.rest = [&site, next = std::size_t{0}](std::string& text) mutable {
-    control::append_drive_status(text, site.plant, next, canopen::Clock::now());
+  // By name: meanwhile the configuration may change.
+  answer.rest = [&site, names = drive_names(site.plant.model()), next = std::size_t{0},
+                 any = false](std::string& text) mutable {
+    if (const process::Drive* const drive = site.plant.find(names[next])) {
+      text += any ? "," : "";
+      any = true;
+      control::append_drive_status(text, site.plant, drive->index(), canopen::Clock::now());
+    }
     ++next;
-    text += next < site.plant.size() ? ',' : ']';
-    return Progress{.goes_on = next < site.plant.size()};
+    text += next < names.size() ? "" : "]";
+    return Progress{.goes_on = next < names.size()};
   };
   return answer;
 }

@@ -95,6 +95,7 @@ Answer gateway_figures(const Site& site) {
   ObjectText object(answer.body);
   object.text("name", site.plant.model().gateway.name);
   object.text("version", site.version);
+  object.integer("configuration", site.plant.changes());
   object.key("health") += process::health_json(site.health());
   text::append_list(object.key("buses"), std::views::iota(std::size_t{0}, site.plant.model().buses.size()),
                     [&site](std::string& to, std::size_t bus) { append_figures_of_bus(to, site, bus); });

@@ -3,7 +3,7 @@
 namespace gateway::http {
 
 Answer map(const Site& site) {
-  return {.lasting = &site.map};
+  return {.lasting = site.map.get(), .shared = site.map};
 }
 
 }  // namespace gateway::http

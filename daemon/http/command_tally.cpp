@@ -4,6 +4,7 @@
 
 #include "bridges/process/answer.h"
 #include "bridges/process/drive.h"
+#include "bridges/process/plant_change.h"
 
 namespace gateway::http {
 
@@ -35,5 +36,17 @@ void CommandTally::on_status(const process::Drive& /*drive*/) {}
 void CommandTally::on_alarm(const process::Drive& /*drive*/, alarms::AlarmKind /*kind*/) {}
 
 void CommandTally::on_bus(std::size_t /*bus*/) {}
+
+void CommandTally::on_plant_change(const process::PlantChange& change) {
+  Tallies now;
+  for (std::size_t i = 0; i < change.drives.size(); ++i) {
+    const auto& from = change.drives[i];
+    for (auto at = tallies_.lower_bound({from.value_or(0), Way{}});
+         from && at != tallies_.end() && at->first.first == *from; ++at) {
+      now.emplace(std::pair(i, at->first.second), at->second);
+    }
+  }
+  tallies_ = std::move(now);
+}
 
 }  // namespace gateway::http

@@ -44,6 +44,8 @@ class CommandTally final : public process::Observer {
   void on_status(const process::Drive& drive) override;
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
+  /// The counts of a drive that stays go on, those of others end.
+  void on_plant_change(const process::PlantChange& change) override;
 
  private:
   Tallies tallies_;

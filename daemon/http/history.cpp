@@ -5,6 +5,7 @@
 #include <chrono>
 #include <limits>
 
+#include "bridges/process/plant_change.h"
 #include "bridges/text/json_text.h"
 #include "bridges/text/timestamp.h"
 #include "canopen/object.h"
@@ -23,22 +24,47 @@ void append_sample(std::string& out, float value) {
 
 History::History(const boost::asio::any_io_executor& executor, const process::Plant& plant)
     : plant_(plant), timer_(executor) {
-  std::size_t bytes_of_row = 0;
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    Trend& trend = trends_.emplace_back();
-    const config::Drive& model = plant.drive(i).model();
-    for (std::size_t signal = 0; signal < model.signals.size(); ++signal) {
-      if (config::readable(model.signals[signal].access)) {
-        trend.signals.push_back(static_cast<process::SignalId>(signal));
-      }
+  begin();
+}
+
+History::Trend History::make_trend(std::size_t drive) const {
+  Trend trend;
+  const config::Drive& model = plant_.drive(drive).model();
+  for (std::size_t signal = 0; signal < model.signals.size(); ++signal) {
+    if (config::readable(model.signals[signal].access)) {
+      trend.signals.push_back(static_cast<process::SignalId>(signal));
     }
-    bytes_of_row += trend.signals.size() * sizeof(float);
   }
-  rows_ = std::clamp<std::size_t>(kMostBytes / std::max<std::size_t>(bytes_of_row, 1), 1, kSamples);
-  times_.resize(rows_);
-  for (Trend& trend : trends_) {
-    trend.values.resize(rows_ * trend.signals.size());
+  trend.values.assign(rows_ * trend.signals.size(), std::numeric_limits<float>::quiet_NaN());
+  return trend;
+}
+
+std::size_t History::room() const {
+  std::size_t bytes_of_row = 0;
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
+    const std::vector<config::Signal>& signals = plant_.drive(i).model().signals;
+    bytes_of_row += sizeof(float) * static_cast<std::size_t>(std::ranges::count_if(
+                                        signals, [](const auto& signal) { return config::readable(signal.access); }));
   }
+  return std::clamp<std::size_t>(kMostBytes / std::max<std::size_t>(bytes_of_row, 1), 1, kSamples);
+}
+
+void History::begin() {
+  rows_ = room();
+  times_.assign(rows_, {});
+  taken_ = 0;
+  trends_.clear();
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
+    trends_.push_back(make_trend(i));
+  }
+}
+
+void History::on_plant_change(const process::PlantChange& change) {
+  if (room() != rows_) {
+    begin();
+    return;
+  }
+  trends_ = process::realigned(std::move(trends_), change.drives, [this](std::size_t i) { return make_trend(i); });
 }
 
 void History::start() {
@@ -111,9 +137,12 @@ Pieces History::json(std::size_t drive) const {
   const Trend& trend = trends_[drive];
   const std::uint64_t rows = std::max<std::size_t>(kValuesOfPiece / (trend.signals.size() + 1), 1);
   const std::uint64_t oldest = taken_ - std::min<std::uint64_t>(taken_, rows_);
-  return [this, drive, rows, next = oldest, end = taken_, begun = false](std::string& out) mutable {
-    if (!begun) {
-      out += begin_json(drive);
+  return [this, drive, rows, next = oldest, end = taken_, begun = false, head = begin_json(drive),
+          configuration = plant_.changes()](std::string& out) mutable {
+    out += begun ? "" : head;
+    if (configuration != plant_.changes()) {
+      out += "]}";
+      return Progress{};
     }
     next = std::max(next, taken_ - std::min<std::uint64_t>(taken_, rows_));
     for (const std::uint64_t stop = std::min(next + rows, end); next < stop; ++next) {

@@ -3,17 +3,19 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
 #include "daemon/http/answer.h"
 
 namespace gateway::http {
 
-/// The values of the last ten minutes, a sample each second: for trend lines.
-class History {
+/// The values of the last ten minutes, a sample each second: for trend lines. Added to the plant's observers.
+class History final : public process::Observer {
  public:
   static constexpr std::size_t kSamples = 600;
   static constexpr canopen::Duration kPeriod = std::chrono::seconds(1);
@@ -29,8 +31,18 @@ class History {
   void stop();
   /// `{"drive":"pump1","period":1,"signals":["output_frequency"],"samples":[["…Z",49.97],["…Z",null]]}`, oldest first,
   /// engineering units, booleans as 0 and 1; null where the value was not fresh. The pieces end with the newest sample
-  /// of now; one that was overwritten before its piece was worded is not in them. The history outlives them.
+  /// of now; one that was overwritten before its piece was worded is not in them, nor are those that were not worded
+  /// when the configuration changed. The history outlives them.
   [[nodiscard]] Pieces json(std::size_t drive) const;
+
+  void on_values(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) override {}
+  void on_freshness(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) override {}
+  void on_commanded(const process::Drive& /*drive*/, std::span<const process::SignalId> /*signals*/) override {}
+  void on_status(const process::Drive& /*drive*/) override {}
+  void on_alarm(const process::Drive& /*drive*/, alarms::AlarmKind /*kind*/) override {}
+  void on_bus(std::size_t /*bus*/) override {}
+  /// Drives that stay keep their samples, unless there are so many signals now that fewer are kept of each.
+  void on_plant_change(const process::PlantChange& change) override;
 
  private:
   /// One drive: its signals, and a ring of their values.
@@ -39,6 +51,10 @@ class History {
     std::vector<float> values;               ///< Row by row.
   };
 
+  [[nodiscard]] Trend make_trend(std::size_t drive) const;
+  /// Samples that there is room for, of each drive.
+  [[nodiscard]] std::size_t room() const;
+  void begin();
   void sample();
   void arm();
   [[nodiscard]] std::string begin_json(std::size_t drive) const;

@@ -3,17 +3,37 @@
 #include <utility>
 
 #include "bridges/process/drive.h"
+#include "bridges/process/plant_change.h"
 #include "daemon/control/status_json.h"
 
 namespace gateway::http {
 
-Live::Live(const process::Plant& plant) : plant_(plant), drives_(plant.size()) {
-  for (std::size_t i = 0; i < drives_.size(); ++i) {
-    drives_[i].values.resize(plant.drive(i).model().signals.size());
+Live::Live(const process::Plant& plant) : plant_(plant) {
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    drives_.push_back(make_shown(i));
   }
 }
 
+Live::Shown Live::make_shown(std::size_t drive) const {
+  Shown shown;
+  shown.values.resize(plant_.drive(drive).model().signals.size());
+  return shown;
+}
+
+void Live::on_plant_change(const process::PlantChange& change) {
+  drives_ = process::realigned(std::move(drives_), change.drives, [this](std::size_t i) { return make_shown(i); });
+  ++health_;
+  ++alarms_;
+  alarms_begun_.reset();
+}
+
 void Live::append_rest(std::string& out, Place& place) {
+  if (place.configuration != plant_.changes()) {
+    // Its positions are those of other drives. It is told of all.
+    place.drives.assign(drives_.size(), 0);
+    place.next = 0;
+    place.configuration = plant_.changes();
+  }
   if (place.alarms < alarms_) {
     if (!word_alarms()) {
       place.more = true;

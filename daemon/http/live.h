@@ -31,15 +31,19 @@ class Live final : public process::Observer {
     std::uint64_t health = 0;  ///< What it was told of each: the number of the change.
     std::uint64_t alarms = 0;
     std::vector<std::uint64_t> drives;
-    std::size_t next = 0;  ///< The drive that it is told of next, if that changed.
-    bool more = false;     ///< The newest piece was full: the next one is due at once.
+    std::size_t next = 0;             ///< The drive that it is told of next, if that changed.
+    std::uint64_t configuration = 0;  ///< Plant::changes() that `drives` is of.
+    bool more = false;                ///< The newest piece was full: the next one is due at once.
   };
 
   /// Added to the plant's observers; the plant outlives it.
   explicit Live(const process::Plant& plant);
 
   [[nodiscard]] Place begin() const {
-    return {.drives = std::vector<std::uint64_t>(drives_.size(), 0), .next = 0, .more = false};
+    return {.drives = std::vector<std::uint64_t>(drives_.size(), 0),
+            .next = 0,
+            .configuration = plant_.changes(),
+            .more = false};
   }
   /// Events for all that changed since this place, and moves it on. Empty: nothing did. `health`: the JSON of it.
   template <class Health>
@@ -63,6 +67,7 @@ class Live final : public process::Observer {
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override;
   void on_bus(std::size_t bus) override;
   void on_bus_alarm(std::size_t bus) override;
+  void on_plant_change(const process::PlantChange& change) override;
 
  private:
   struct Shown {
@@ -82,6 +87,7 @@ class Live final : public process::Observer {
   };
 
   void append_rest(std::string& out, Place& place);
+  [[nodiscard]] Shown make_shown(std::size_t drive) const;
   /// A piece's work on the list of alarms. False: there is more to word.
   [[nodiscard]] bool word_alarms();
   [[nodiscard]] static bool is_worded(const Shown& shown);

@@ -36,7 +36,7 @@ bool add_piece(Families& families, const Site& site, std::size_t piece) {
     add_bus_health(families, site);
     add_alarm_counts(families, site.plant);
     add_servers(families, site);
-  } else {
+  } else if (piece <= site.plant.size()) {  // The configuration may have changed since the last piece.
     const process::Drive& drive = site.plant.drive(piece - 1);
     add_drive(families, site.plant, drive, canopen::Clock::now());
     add_drive_health(families, site, drive);

@@ -46,7 +46,7 @@ void add_drive_health(Families& families, const Site& site, const process::Drive
                                   "What the longest gap of the last day left of the heartbeat time-out, 0 to 1.");
   Family answers = Families::gauge("drive_sdo_answer_seconds", "Time to an SDO answer, of the newest some thousand.");
   const std::string& name = drive.model().name;
-  const canopen::NodeHealth node = site.survey(drive.model().bus).node(drive.model().node.node);
+  const canopen::NodeHealth node = site.survey(drive.bus()).node(drive.model().node.node);
   if (const std::optional<double> worst = node.worst_margin()) {
     margin.add({{"drive", name}}, *worst);
   }

@@ -62,7 +62,7 @@ void DriveFamilies::add(const process::Plant& plant, const process::Drive& drive
   const NodeStatus& status = drive.status();
   const Labels labels{{"drive", model.name}};
   info.add({{"drive", model.name},
-            {"bus", plant.model().buses[model.bus].name},
+            {"bus", plant.model().buses[drive.bus()].name},
             {"node", std::to_string(model.node.node)},
             {"profile", model.profile}},
            true);

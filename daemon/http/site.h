@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -57,7 +58,7 @@ struct Site {
   const process::Plant& plant;
   const CommandTally& commands;
   std::string version;
-  std::string map;  ///< As `map --format json` prints it.
+  std::shared_ptr<const std::string> map;  ///< As `map --format json` prints it; another one after a reload.
   std::function<process::Health()> health;
   std::string charts = chart_library();
   std::function<ProcessFigures()> process = process_figures;

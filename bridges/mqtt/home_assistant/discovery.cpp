@@ -25,7 +25,7 @@ canopen::TimePoint not_before(const std::optional<canopen::TimePoint>& last, can
 
 Discovery::Discovery(const config::Model& model, const config::Mqtt& settings, const Topics& topics,
                      Leftovers& leftovers, std::string version)
-    : model_(model),
+    : model_(&model),
       settings_(settings),
       topics_(topics),
       leftovers_(leftovers),
@@ -33,8 +33,34 @@ Discovery::Discovery(const config::Model& model, const config::Mqtt& settings, c
       node_(node_of(topics.root())),
       prefixes_(settings, topics),
       drives_(model.drives.size()) {
-  for (std::size_t i = 0; !settings.home_assistant.empty() && i < model.drives.size(); ++i) {
-    topics_of_drives_.emplace(topic_of(settings.home_assistant, model.drives[i].name), i);
+  name_topics();
+}
+
+void Discovery::name_topics() {
+  for (std::size_t i = 0; !settings_.home_assistant.empty() && i < model_->drives.size(); ++i) {
+    topics_of_drives_.emplace(topic_of(settings_.home_assistant, model_->drives[i].name), i);
+  }
+}
+
+void Discovery::change(const config::Model& model, const process::PlantChange& change, canopen::TimePoint now) {
+  model_ = &model;
+  std::vector<Told> before = std::exchange(drives_, std::vector<Told>(model.drives.size()));
+  const auto topics = std::exchange(topics_of_drives_, {});
+  name_topics();
+  for (const auto& [topic, index] : topics_of_drives_) {
+    Told& drive = drives_[index];
+    if (const auto known = topics.find(topic); known != topics.end()) {
+      drive = std::move(before[known->second]);
+    }
+    if (!change.drives[index]) {
+      leftovers_.back(topic);
+      drive.due = std::max(tell_from_, not_before(drive.last, now + kPause));
+    }
+  }
+  for (const auto& [topic, index] : topics) {
+    if (!topics_of_drives_.contains(topic)) {
+      leftovers_.gone(topic, now);
+    }
   }
 }
 
@@ -82,7 +108,8 @@ void Discovery::announced(canopen::TimePoint now) {
   prefixes_.announced(now);
   // A gateway of our name that lives says so by then; later it would have been heard.
   const canopen::TimePoint heard = told_at_.contains(broker_) ? now : leftovers_.settled(now);
-  tell_all_at(std::max(heard, now + kPause));
+  tell_from_ = std::max(heard, now + kPause);
+  tell_all_at(tell_from_);
 }
 
 void Discovery::tell_all_at(canopen::TimePoint at) {
@@ -192,9 +219,12 @@ void Discovery::collect(bool another_lives, canopen::TimePoint now, std::vector<
 
 void Discovery::tell(std::size_t index, canopen::TimePoint now, std::vector<Message>& out) {
   Told& drive = drives_[index];
-  Message message{.topic = topic_of(settings_.home_assistant, model_.drives[index].name),
-                  .payload = device_of(model_.drives[index], topics_, index, settings_, version_, drive.before).message,
+  const config::Drive& of = model_->drives[index];
+  Device device = device_of(of, topics_, index, settings_, version_, drive.before);
+  Message message{.topic = topic_of(settings_.home_assistant, of.name),
+                  .payload = std::move(device.message),
                   .puts_right = std::exchange(drive.puts_right, false)};
+  drive.before.merge(device.entities);
   drive.hashes = {std::hash<std::string>{}(message.payload), drive.hashes[0]};
   drive.last = now;
   drive.due = canopen::kNever;

@@ -16,6 +16,7 @@
 #include "bridges/mqtt/leftovers.h"
 #include "bridges/mqtt/message.h"
 #include "bridges/mqtt/topics.h"
+#include "bridges/process/plant_change.h"
 #include "canopen/clock.h"
 #include "config/model.h"
 
@@ -39,6 +40,9 @@ class Discovery {
   Discovery(const config::Model& model, const config::Mqtt& settings, const Topics& topics, Leftovers& leftovers,
             std::string version);
 
+  /// The plant and the topics changed: drives that are new or others are told of, and those that are gone removed.
+  /// `model` outlives it, or the next change.
+  void change(const config::Model& model, const process::PlantChange& change, canopen::TimePoint now);
   /// A new connection, to this broker.
   void connected(const std::string& broker);
   /// What is to be watched on this connection; more after prefixes_kept().
@@ -60,7 +64,7 @@ class Discovery {
  private:
   /// What is told of a drive.
   struct Told {
-    Entities before{};                                   ///< What the broker keeps of it, or kept.
+    Entities before{};                                   ///< What the broker keeps of it, or kept, or was told.
     canopen::TimePoint due = canopen::kNever;            ///< When it is to be told of.
     std::optional<canopen::TimePoint> last{};            ///< When it was.
     std::array<std::optional<std::size_t>, 2> hashes{};  ///< Of the newest two messages.
@@ -69,6 +73,7 @@ class Discovery {
     void tell_again_at(canopen::TimePoint at);
   };
 
+  void name_topics();
   [[nodiscard]] std::string topic_of(std::string_view prefix, std::string_view drive) const;
   [[nodiscard]] std::string birth_topic() const;
   void kept(const std::string& prefix, const Incoming& message, canopen::TimePoint now);
@@ -77,7 +82,7 @@ class Discovery {
   [[nodiscard]] Told* find(std::string_view topic);
   void tell(std::size_t index, canopen::TimePoint now, std::vector<Message>& out);
 
-  const config::Model& model_;
+  const config::Model* model_;
   const config::Mqtt& settings_;
   const Topics& topics_;
   Leftovers& leftovers_;
@@ -87,7 +92,8 @@ class Discovery {
   std::map<std::string, std::size_t, std::less<>> topics_of_drives_;  ///< Positions by topic; empty: switched off.
   std::vector<Told> drives_;                                          ///< By position.
   std::string broker_;
-  std::set<std::string> told_at_;  ///< Brokers at which drives were told of.
+  std::set<std::string> told_at_;   ///< Brokers at which drives were told of.
+  canopen::TimePoint tell_from_{};  ///< On this connection; a gateway of our name that lives would have been heard.
   bool another_lives_ = false;
 };
 

@@ -28,10 +28,11 @@ function showHead(live) {
 }
 
 function onGateway(gateway) {
-  if (instance !== '' && instance !== gateway.health.instance) {
+  const life = `${gateway.health.instance} ${gateway.configuration}`;
+  if (instance !== '' && instance !== life) {
     compare(gateway.version);
   }
-  instance = gateway.health.instance;
+  instance = life;
   version ||= gateway.version;
   name = gateway.name;
   setText(byId('gateway'), name);
@@ -40,7 +41,7 @@ function onGateway(gateway) {
   clients.show(gateway);
 }
 
-// Another life of the gateway may have another configuration, or bring another page.
+// Another life of the gateway, and one that was reloaded, may have another configuration, or bring another page.
 async function compare(newVersion) {
   try {
     const map = await ask('api/map');

@@ -71,7 +71,7 @@ class ShownPlant : public gateway::test::DemoPlant {
   Site site_{.plant = gateway_.plant(),
              .commands = tally_,
              .version = "1.2.3",
-             .map = render_map_json(model_),
+             .map = std::make_shared<const std::string>(render_map_json(model_)),
              .health = [this] { return gateway_.health(); },
              .history = [this](std::size_t drive) { return history_.json(drive); },
              .survey = [this](std::size_t bus) -> const canopen::BusSurvey& { return gateway_.survey(bus); }};

@@ -1,0 +1,41 @@
+// What a change of the configuration, in the running gateway, asks of a drive.
+
+#include <utility>
+
+#include "bridges/process/drive.h"
+
+namespace process {
+
+void Drive::leave() {
+  static const std::vector<Observer*> kNobody;
+  observers_ = &kNobody;
+  doubled_changed_ = {};
+}
+
+Turning Drive::turning() const {
+  if (!status().online) {
+    return Turning::no;
+  }
+  if (!running_) {
+    return Turning::untold;
+  }
+  if (commands_.is_told_to_run()) {
+    return Turning::yes;  // The motor may only be about to follow.
+  }
+  if (!image_.fresh(running_->signal, canopen::Clock::now())) {
+    return Turning::unknown;
+  }
+  return image_.raw(running_->signal) != 0 ? Turning::yes : Turning::no;
+}
+
+void Drive::set_pending_change(std::string waits_for) {
+  if (pending_change_ == waits_for) {
+    return;
+  }
+  pending_change_ = std::move(waits_for);
+  for (Observer* observer : *observers_) {
+    observer->on_status(*this);
+  }
+}
+
+}  // namespace process

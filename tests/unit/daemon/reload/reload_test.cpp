@@ -1,0 +1,262 @@
+#include "daemon/reload/reload.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "daemon/temporary_directory.h"
+#include "tests/unit/daemon/demo_model.h"
+#include "tests/unit/daemon/demo_plant.h"
+
+namespace gateway {
+namespace {
+
+using namespace std::chrono_literals;
+
+config::Model quiet_model() {
+  config::Model model = test::demo_model();
+  model.modbus.reset();
+  model.mqtt.reset();
+  model.http.reset();
+  model.recorder.reset();
+  model.gateway.control.clear();
+  return model;
+}
+
+/// The gateway with the demo's drives: fan1, pump1, hoist1, mixer1.
+class ReloadTest : public test::DemoPlant {
+ protected:
+  explicit ReloadTest(config::Model model = quiet_model()) : DemoPlant(std::move(model)), file_(model_) {
+    begin_plant();
+    reload_.start();
+    loop_.settle();
+  }
+  ~ReloadTest() override {
+    const auto stopped = support::spawn(loop_.executor(), reload_.stop());
+    await([&] { return *stopped; });
+    end_plant();
+  }
+
+  /// The thread has its own time.
+  template <class Predicate>
+  void await(Predicate done) {
+    for (int i = 0; i < 2000 && !done(); ++i) {
+      loop_.context().run_one_for(10ms);
+    }
+    ASSERT_TRUE(done());
+  }
+  /// What the file holds now is wanted.
+  void reload() {
+    const int before = ends_;
+    reload_.request();
+    await([&] { return ends_ > before; });
+  }
+  void write(std::size_t drive, const std::vector<std::pair<std::string, double>>& values) {
+    process::Drive& written = gateway_.plant().drive(drive);
+    std::vector<process::FieldWrite> fields;
+    for (const auto& [name, value] : values) {
+      fields.push_back({static_cast<process::SignalId>(written.model().find(name).value()), value});
+    }
+    const auto answer = support::spawn(
+        loop_.executor(), written.write({.writer = {.way = process::Writer::Way::local}}, std::move(fields)));
+    ASSERT_TRUE(loop_.advance_until([&] { return answer.done(); }, 2s));
+    ASSERT_FALSE(answer.get().has_error()) << answer.get().error().detail;
+  }
+  void run_fan() {
+    write(0, {{"frequency_command", 30.0}, {"torque_command", 0.0}, {"control_command", 1.0}});
+    ASSERT_TRUE(loop_.advance_until([&] { return drive("fan1").image().raw(running_of("fan1")) != 0; }, 5s));
+  }
+  void stop_fan() { write(gateway_.plant().find("fan1")->index(), {{"control_command", 5.0}}); }
+  [[nodiscard]] process::Drive& drive(const std::string& name) { return *gateway_.plant().find(name); }
+  [[nodiscard]] process::SignalId running_of(const std::string& name) {
+    return static_cast<process::SignalId>(drive(name).model().faults.running.value());
+  }
+  [[nodiscard]] const config::Model& in_use() { return gateway_.plant().model(); }
+
+  config::Model file_;
+  bool broken_ = false;
+  int begins_ = 0;
+  int ends_ = 0;
+  int loads_ = 0;
+  Reload reload_{loop_.executor(),
+                 gateway_,
+                 {.load =
+                      [this] {
+                        ++loads_;
+                        return broken_ ? config::Loaded{.model = std::nullopt,
+                                                        .findings = {{.file = "gateway.toml", .line = 3, .text = "no"}}}
+                                       : config::Loaded{.model = file_, .findings = {}};
+                      },
+                  .begins = [this] { ++begins_; },
+                  .ends = [this] { ++ends_; }}};
+};
+
+TEST_F(ReloadTest, WhatIsTheSameIsNotTouched) {
+  const process::Drive* const fan = &drive("fan1");
+  reload();
+  EXPECT_EQ(&drive("fan1"), fan);
+  EXPECT_EQ(gateway_.plant().changes(), 0U);
+  EXPECT_EQ(begins_, 1);
+}
+
+TEST_F(ReloadTest, OneWithErrorsChangesNothing) {
+  const process::Drive* const fan = &drive("fan1");
+  file_.drives[0].commands.lease = 5s;
+  broken_ = true;
+  reload();
+  EXPECT_EQ(&drive("fan1"), fan);
+  EXPECT_EQ(in_use(), model_);
+}
+
+TEST_F(ReloadTest, AnotherNameOfTheGatewayNeedsARestart) {
+  file_.gateway.name = "other";
+  file_.drives[0].commands.lease = 5s;
+  reload();
+  EXPECT_EQ(in_use(), model_);
+}
+
+TEST_F(ReloadTest, ADriveThatStandsIsReplacedAtOnce) {
+  const process::Drive* const pump = &drive("pump1");
+  file_.drives[0].commands.lease = 5s;
+  reload();
+  EXPECT_EQ(drive("fan1").model().commands.lease, 5s);
+  EXPECT_EQ(&drive("pump1"), pump);
+  EXPECT_TRUE(reload_.waiting().empty());
+  EXPECT_TRUE(loop_.advance_until([&] { return drive("fan1").status().online; }, 10s));
+  EXPECT_EQ(drive("pump1").status().heartbeat_losses, 0U);
+}
+
+TEST_F(ReloadTest, OneThatTurnsKeepsItsSectionUntilItStandsStill) {
+  run_fan();
+  file_.drives[0].commands.lease = 5s;
+  file_.drives[1].commands.lease = 5s;
+  reload();
+  EXPECT_EQ(drive("fan1").model().commands.lease, 0s);
+  EXPECT_EQ(drive("fan1").pending_change(), "waits for standstill");
+  EXPECT_EQ(drive("pump1").model().commands.lease, 5s) << "the others do not wait for it";
+  EXPECT_EQ(drive("pump1").pending_change(), "");
+  const process::Drive* const fan = &drive("fan1");
+  loop_.advance(10s);
+  EXPECT_EQ(&drive("fan1"), fan);
+  EXPECT_TRUE(drive("fan1").status().online);
+  EXPECT_NE(drive("fan1").image().raw(running_of("fan1")), 0U) << "it goes on running";
+  stop_fan();
+  ASSERT_TRUE(loop_.advance_until([&] { return drive("fan1").model().commands.lease == 5s; }, 30s));
+  EXPECT_TRUE(reload_.waiting().empty());
+  EXPECT_EQ(drive("fan1").pending_change(), "");
+  EXPECT_EQ(drive("fan1").commanded().known(0), std::nullopt);
+  EXPECT_TRUE(loop_.advance_until([&] { return drive("fan1").status().online; }, 10s));
+}
+
+TEST_F(ReloadTest, OneThatIsOnlyAboutToTurnWaitsToo) {
+  write(0, {{"frequency_command", 30.0}, {"torque_command", 0.0}, {"control_command", 1.0}});
+  file_.drives[0].commands.lease = 5s;
+  reload();
+  EXPECT_EQ(drive("fan1").pending_change(), "waits for standstill");
+}
+
+TEST_F(ReloadTest, ANewerConfigurationTakesThePlaceOfOneThatWaits) {
+  run_fan();
+  file_.drives[0].commands.lease = 5s;
+  reload();
+  ASSERT_FALSE(reload_.waiting().empty());
+  file_ = model_;
+  reload();
+  EXPECT_TRUE(reload_.waiting().empty());
+  EXPECT_EQ(drive("fan1").pending_change(), "");
+  stop_fan();
+  loop_.advance(30s);
+  EXPECT_EQ(in_use(), model_);
+}
+
+TEST_F(ReloadTest, ARemovedOneThatTurnsStaysUntilItStandsStill) {
+  run_fan();
+  file_.drives.erase(file_.drives.begin());
+  reload();
+  ASSERT_NE(gateway_.plant().find("fan1"), nullptr);
+  stop_fan();
+  EXPECT_TRUE(loop_.advance_until([&] { return gateway_.plant().find("fan1") == nullptr; }, 30s));
+  EXPECT_EQ(in_use(), file_);
+  loop_.advance(5min);  // what left is forgotten
+  EXPECT_EQ(gateway_.plant().online(), 3U);
+}
+
+TEST_F(ReloadTest, AnOfflineOneIsReplacedWhateverItWasCommanded) {
+  run_fan();
+  drives_[0]->power_off();
+  ASSERT_TRUE(loop_.advance_until([&] { return !drive("fan1").status().online; }, 10s));
+  file_.drives[0].commands.lease = 5s;
+  reload();
+  EXPECT_EQ(drive("fan1").model().commands.lease, 5s);
+}
+
+TEST_F(ReloadTest, OneWhoseStateIsNotKnownWaits) {
+  run_fan();
+  stop_fan();
+  loop_.advance(20s);
+  drives_[0]->misbehaviour().tpdo_length = 0;
+  drives_[0]->misbehaviour().sdo_flaw = simulator::SdoFlaw::abort;
+  loop_.advance(5s);
+  ASSERT_TRUE(drive("fan1").status().online);
+  ASSERT_EQ(drive("fan1").turning(), process::Turning::unknown);
+  file_.drives[0].commands.lease = 5s;
+  reload();
+  EXPECT_EQ(drive("fan1").pending_change(), "waits for standstill");
+  drives_[0]->misbehaviour() = {};
+  EXPECT_TRUE(loop_.advance_until([&] { return drive("fan1").model().commands.lease == 5s; }, 30s));
+}
+
+TEST_F(ReloadTest, ManyRequestsAreFewReloads) {
+  for (int i = 0; i < 10; ++i) {
+    reload_.request();
+  }
+  await([&] { return ends_ >= 1; });
+  loop_.settle();
+  EXPECT_LE(loads_, 2);
+}
+
+TEST_F(ReloadTest, ABusThatChangedTakesItsDrivesWithIt) {
+  file_.buses[0].sdo_load = 0.5;
+  reload();
+  EXPECT_EQ(in_use(), file_);
+  EXPECT_TRUE(loop_.advance_until([&] { return gateway_.plant().online() == 4; }, 10s));
+  loop_.advance(5min);
+  EXPECT_EQ(gateway_.plant().online(), 4U);
+  EXPECT_FALSE(gateway_.plant().bus_alarm(0).active);
+}
+
+TEST_F(ReloadTest, ABusThatTurnsADriveStays) {
+  run_fan();
+  const process::Drive* const pump = &drive("pump1");
+  file_.buses[0].sdo_load = 0.5;
+  reload();
+  EXPECT_EQ(in_use().buses[0].sdo_load, model_.buses[0].sdo_load);
+  EXPECT_EQ(drive("pump1").pending_change(), "waits for the standstill of another drive");
+  EXPECT_EQ(&drive("pump1"), pump);
+  stop_fan();
+  ASSERT_TRUE(loop_.advance_until([&] { return in_use().buses[0].sdo_load == 0.5; }, 30s));
+  EXPECT_EQ(in_use(), file_);
+}
+
+TEST_F(ReloadTest, SectionsComeAndGo) {
+  const process::Drive* const fan = &drive("fan1");
+  file_.modbus.emplace().listen = {{"127.0.0.1", 0}};
+  file_.http.emplace().listen = {"127.0.0.1", 0};
+  reload();
+  EXPECT_NE(gateway_.http_port(), 0);
+  EXPECT_EQ(&drive("fan1"), fan);
+  file_.http->hosts = {"plant"};
+  reload();
+  EXPECT_NE(gateway_.http_port(), 0);
+  file_.http.reset();
+  file_.modbus.reset();
+  reload();
+  EXPECT_EQ(gateway_.http_port(), 0);
+  EXPECT_EQ(&drive("fan1"), fan);
+  loop_.advance(5s);
+  EXPECT_EQ(gateway_.plant().online(), 4U);
+}
+
+}  // namespace
+}  // namespace gateway
