@@ -15,6 +15,7 @@ AlarmList::AlarmList(const process::Plant& plant) {
     listed.alarm.severity = alarm.severity;
     listed.alarm.since = alarm.since;
     listed.alarm.first = alarm.first;
+    listed.alarm.record = alarm.record;
     listed.place.kind = active.kind;
     (active.drive != nullptr ? listed.place.drive : listed.place.bus) =
         active.drive != nullptr ? active.drive->model().name : plant.model().buses[active.bus].name;
