@@ -24,6 +24,9 @@ Recording::Recording(const boost::asio::any_io_executor& executor, process::Plan
 
 void Recording::show_in(http::Site& site) {
   site.records = [this]() -> const std::optional<recorder::StoredRecords>& { return recorder_.keeper().records(); };
+  site.recorder = [this] {
+    return http::RecorderFigures{.works = recorder_.keeper().works(), .lost = recorder_.keeper().lost()};
+  };
   site.read_record = [this](std::string name, std::uint64_t offset) { return read(std::move(name), offset); };
 }
 
