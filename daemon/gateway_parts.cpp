@@ -163,6 +163,7 @@ void Gateway::fill_site() {
   site.modbus = {};
   site.mqtt = {};
   site.records = {};
+  site.recorder = {};
   site.read_record = {};
   if (modbus_) {
     site.modbus = [this] {
@@ -189,6 +190,10 @@ void Gateway::fill_site() {
     Recording* const recording = recording_.get();
     site.records = [recording]() -> const std::optional<recorder::StoredRecords>& {
       return recording->recorder().keeper().records();
+    };
+    site.recorder = [recording] {
+      const recorder::RecordKeeper& keeper = recording->recorder().keeper();
+      return http::RecorderFigures{.works = keeper.works(), .lost = keeper.lost()};
     };
     site.read_record = [recording](std::string name, std::uint64_t offset) {
       return recording->read(std::move(name), offset);

@@ -53,6 +53,7 @@ void FrameRing::begin_chunk(canopen::TimePoint now) {
   const bool is_ours = dropped && dropped.use_count() == 1;
   std::atomic_thread_fence(std::memory_order_acquire);  // Behind the last look of a thread that had a slice of it.
   chunks_.push_back(is_ours ? std::move(dropped) : std::make_shared<FrameChunk>());
+  newest_ = chunks_.back()->data();
   used_ = 0;
 }
 

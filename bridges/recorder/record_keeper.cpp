@@ -75,6 +75,11 @@ void RecordKeeper::tell_if_slow(canopen::TimePoint now) {
   }
 }
 
+bool RecordKeeper::works() const noexcept {
+  const bool slow = worker_.busy() && begun_ && Clock::now() >= *begun_ + kSlow;
+  return !slow && !retry_ && !refuses_records_;
+}
+
 void RecordKeeper::begin(canopen::TimePoint now) {
   begun_ = now;
   look_ = false;

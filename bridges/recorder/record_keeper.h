@@ -55,6 +55,8 @@ class RecordKeeper {
   [[nodiscard]] bool knows(std::string_view stem) const;
   [[nodiscard]] std::filesystem::path directory() const { return directory_; }
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
+  /// False where the last record could not be written, the directory cannot be used, or the disk does not answer.
+  [[nodiscard]] bool works() const noexcept;
 
   static constexpr canopen::Duration kTryAgain = std::chrono::seconds(5);
   static constexpr canopen::Duration kGiveUp = std::chrono::minutes(1);

@@ -77,6 +77,13 @@ void add_servers(Families& families, const Site& site) {
              Families::counter("journal_passed_by_total", "Commands that did not wait for their line in the journal."),
              journal.passed_by);
   }
+  if (site.recorder) {
+    const RecorderFigures recorder = site.recorder();
+    take_one(families,
+             Families::gauge("recorder_works", "0: the last record could not be kept, or the disk does not answer."),
+             recorder.works);
+    take_one(families, Families::counter("recorder_records_lost_total", "Records that were given up."), recorder.lost);
+  }
   if (site.http) {
     add_http(families, site.http());
   }

@@ -45,6 +45,11 @@ struct JournalFigures {
   std::uint64_t passed_by = 0;  ///< Commands that did not wait for their line.
 };
 
+struct RecorderFigures {
+  bool works = true;       ///< See recorder::RecordKeeper::works().
+  std::uint64_t lost = 0;  ///< Records that were given up.
+};
+
 /// Of this server itself.
 struct HttpFigures {
   std::size_t clients = 0;
@@ -75,6 +80,7 @@ struct Site {
   /// A piece of a file of theirs; there where `records` is. See recorder::RecordReader::read().
   std::function<boost::asio::awaitable<std::optional<std::string>>(std::string name, std::uint64_t offset)>
       read_record{};
+  std::function<RecorderFigures()> recorder{};
 };
 
 }  // namespace gateway::http

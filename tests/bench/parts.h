@@ -22,7 +22,8 @@ void mqtt();
 void latency();
 /// Round trips of Modbus reads and set-points beside a storm of emergencies, against those just before it.
 void storm();
-/// Round trips of Modbus reads with 200 slow readers of the live stream, against those without, beside a full bus.
+/// Round trips of Modbus reads with slow readers of the live stream, of the trace and of the control socket's trace,
+/// against those without, beside a full bus.
 void readers();
 
 }  // namespace bench

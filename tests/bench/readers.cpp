@@ -1,29 +1,25 @@
-// What many slow readers of the live stream cost those who read by Modbus, beside a full bus.
+// What many slow readers of the live stream and of the trace cost those who read by Modbus, beside a full bus.
 
-#include <arpa/inet.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "daemon/temporary_directory.h"
 #include "tests/bench/bus_load.h"
 #include "tests/bench/parts.h"
 #include "tests/bench/round_trips.h"
 #include "tests/bench/site.h"
+#include "tests/bench/slow_readers.h"
 
 namespace bench {
 namespace {
@@ -35,77 +31,10 @@ constexpr int kReaderRounds = 5;
 // takes. In each window every reader is told twice.
 constexpr int kWindows = 8;
 constexpr milliseconds kWindow{500};
-constexpr int kReaders = 200;
-constexpr int kServed = 192;                 ///< There is room for so many; the others are told 503.
 constexpr unsigned kFramesOfFullBus = 1900;  ///< A second: 8 bytes each at 250 kbit/s, some 131 bits a frame.
 constexpr double kMostRatio = 2.0;
-
-/// Clients that ask for the live stream and take little of it: 128 bytes each, ten times a second.
-class SlowReaders {
- public:
-  explicit SlowReaders(std::uint16_t port) {
-    for (int i = 0; i < kReaders; ++i) {
-      descriptors_.push_back(connect_to(port, 2 + i % 5));  // no address has more than 64
-    }
-    thread_ = std::thread([this] {
-      while (!stop_) {
-        take();
-        std::this_thread::sleep_for(milliseconds(100));
-      }
-    });
-  }
-  ~SlowReaders() {
-    stop_ = true;
-    thread_.join();
-    for (const int descriptor : descriptors_) {
-      close(descriptor);
-    }
-  }
-  SlowReaders(const SlowReaders&) = delete;
-  SlowReaders& operator=(const SlowReaders&) = delete;
-
-  /// Of those that the server has not disconnected.
-  [[nodiscard]] int streaming() const noexcept { return streaming_; }
-
- private:
-  static int connect_to(std::uint16_t port, int from) {
-    const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const int room = 2048;
-    setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
-    sockaddr_in own{};
-    own.sin_family = AF_INET;
-    own.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + static_cast<std::uint32_t>(from));
-    sockaddr_in server{};
-    server.sin_family = AF_INET;
-    server.sin_port = htons(port);
-    server.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    constexpr std::string_view kRequest = "GET /api/live HTTP/1.1\r\nHost: localhost\r\n\r\n";
-    if (bind(descriptor, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0 ||
-        connect(descriptor, reinterpret_cast<const sockaddr*>(&server), sizeof server) != 0 ||
-        send(descriptor, kRequest.data(), kRequest.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(kRequest.size()) ||
-        fcntl(descriptor, F_SETFL, O_NONBLOCK) != 0) {
-      throw std::runtime_error("a reader cannot connect");
-    }
-    return descriptor;
-  }
-
-  void take() {
-    int streaming = 0;
-    for (const int descriptor : descriptors_) {
-      std::array<char, 128> some{};
-      const ssize_t count = recv(descriptor, some.data(), some.size(), 0);
-      const std::string_view text(some.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-      const bool ended = count == 0 || (count < 0 && errno != EAGAIN) || text.starts_with("HTTP/1.1 503");
-      streaming += ended ? 0 : 1;
-    }
-    streaming_ = streaming;
-  }
-
-  std::vector<int> descriptors_;
-  std::atomic<int> streaming_ = 0;
-  std::atomic<bool> stop_ = false;
-  std::thread thread_;
-};
+/// In MB: 64 kB of waiting lines and some buffers for each of 192, and the frames that are kept.
+constexpr double kMostMemory = 40.0;
 
 /// Of the gateway and of what measures it, in MB.
 double resident() {
@@ -144,32 +73,33 @@ void expect_all_frames(SiteInThread& site, BusLoad& load, std::uint64_t received
   }
 }
 
-}  // namespace
+struct Crowd {
+  std::string_view what;
+  int readers;
+  int served;  ///< There is room for so many; the others are refused.
+  std::function<int(int)> connect;
+};
 
-void readers() {
-  const std::uint16_t modbus_port = free_port();
-  config::Model model = demo_model(modbus_port, 0);
-  model.http.emplace().listen = {"127.0.0.1", free_port()};
-  SiteInThread site(std::move(model));
-  if (!site.wait_online()) {
-    throw std::runtime_error("the simulated drives did not come online");
-  }
-  RoundTripClient client(modbus_port, *site.model().drives.front().unit);
-  RoundTrips times{.what = "200 slow readers of /api/live, Modbus reads", .before = {}, .during = {}};
-  BusLoad load(site, kFramesOfFullBus, changing_tpdo);
+/// Rounds without and with the crowd, in turn, beside a full bus. Throws where a frame is missing, or Modbus suffers.
+void measure(SiteInThread& site, BusLoad& load, RoundTripClient& client, const Crowd& crowd) {
+  RoundTrips times{.what = fmt::format("{}, Modbus reads", crowd.what), .before = {}, .during = {}};
   double least_memory = 0;
   double most_memory = 0;
   for (int round = 0; round <= kReaderRounds; ++round) {
     const double before = least_p99(client);
     least_memory = round == 1 ? resident() : least_memory;
-    const SlowReaders slow(site.model().http->listen.port);
+    std::vector<int> descriptors;
+    for (int number = 0; number < crowd.readers; ++number) {
+      descriptors.push_back(crowd.connect(number));
+    }
+    const SlowReaders slow(std::move(descriptors));
     std::this_thread::sleep_for(milliseconds(1500));  // each has its backlog
     const std::uint64_t received = site.frames_received();
     const std::uint64_t sent = load.sent();
     const double during = least_p99(client);
     expect_all_frames(site, load, received, sent);
-    if (slow.streaming() < kServed) {
-      throw std::runtime_error(fmt::format("{} readers are served", slow.streaming()));
+    if (slow.streaming() < crowd.served) {
+      throw std::runtime_error(fmt::format("{}: {} are served", crowd.what, slow.streaming()));
     }
     most_memory = std::max(most_memory, resident());
     if (round > 0) {
@@ -178,11 +108,41 @@ void readers() {
     }
   }
   const double ratio = print(times);
-  fmt::print("{:<44} {:.1f} MB more than without\n", "200 slow readers of /api/live, memory",
-             most_memory - least_memory);
+  const double memory = most_memory - least_memory;
+  fmt::print("{:<52} {:.1f} MB more than without\n", fmt::format("{}, memory", crowd.what), memory);
   if (ratio > kMostRatio) {
-    throw std::runtime_error(fmt::format("slow readers delay Modbus: {:.2f} > {}", ratio, kMostRatio));
+    throw std::runtime_error(fmt::format("{} delay Modbus: {:.2f} > {}", crowd.what, ratio, kMostRatio));
   }
+  if (memory > kMostMemory) {
+    throw std::runtime_error(fmt::format("{} take {:.1f} MB > {}", crowd.what, memory, kMostMemory));
+  }
+}
+
+}  // namespace
+
+void readers() {
+  const gateway::TemporaryDirectory folder;
+  const std::uint16_t modbus_port = free_port();
+  config::Model model = demo_model(modbus_port, 0);
+  model.gateway.control = folder.path() / "control";
+  model.http.emplace().listen = {"127.0.0.1", free_port()};
+  const std::uint16_t http_port = model.http->listen.port;
+  SiteInThread site(std::move(model));
+  if (!site.wait_online()) {
+    throw std::runtime_error("the simulated drives did not come online");
+  }
+  const auto get = [&](std::string_view target) {
+    return [http_port, request = fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\n\r\n", target)](int number) {
+      return slow_http_reader(http_port, request, number);
+    };
+  };
+  RoundTripClient client(modbus_port, *site.model().drives.front().unit);
+  BusLoad load(site, kFramesOfFullBus, changing_tpdo);
+  measure(site, load, client, {"200 slow readers of /api/live", 200, 192, get("/api/live")});
+  measure(site, load, client, {"200 slow readers of /api/trace", 200, 192, get("/api/trace")});
+  measure(site, load, client,
+          {"32 slow readers of the socket's trace", 32, 32,
+           [&](int) { return slow_control_reader(site.model().gateway.control, "{\"id\":1,\"op\":\"trace\"}\n"); }});
 }
 
 }  // namespace bench

@@ -3,7 +3,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import * as words from '../../daemon/http/page/words.js';
 
-const drive = (more = {}) => ({ enabled: true, online: true, nmt: 'operational', fresh: true, values: {}, alarms: [], ...more });
+const drive = (more = {}) => ({ enabled: true, online: true, nmt: 'operational', fresh: true, values: {}, alarms: [], commanded: {},
+  control: { holder: null, timeout: false }, ...more });
 const alarm = (more = {}) => ({ drive: 'pump1', kind: 'emcy', code: '0x0005', reason: '', text: 'Overcurrent', severity: 'fault',
   since: '2026-01-02T03:04:05.678Z', first: false, ...more });
 
@@ -49,6 +50,20 @@ test('the state of a drive: what matters most', () => {
   assert.equal(state({ nmt: 'pre-operational', values: { running: true } }), 'pre-operational');
   assert.equal(state({ values: { running: false } }), 'stopped');
   assert.equal(state({ values: { running: null } }), 'operational');
+});
+
+test('the line of a drive says why it does not run', () => {
+  const notes = (more) => words.notesOf(drive(more));
+  const still = { values: { running: false } };
+  assert.equal(notes({ values: { running: true }, commanded: { control_command: 'forward' } }), '');
+  assert.equal(notes(still), 'commanded: nothing');
+  assert.equal(notes({ ...still, commanded: { control_command: 'stop' } }), 'commanded: stop');
+  assert.equal(notes({ online: false, alarms: [alarm({ code: '0x0000', reason: 'lost', text: 'no heartbeat for 1500 ms' })] }),
+    'lost: no heartbeat for 1500 ms');
+  assert.equal(notes({ ...still, commanded: { control_command: 'forward' }, alarms: [alarm(), alarm({ severity: 'warning' })] }),
+    '0x0005: Overcurrent, 1 warning, commanded: forward');
+  assert.equal(notes({ fresh: false, control: { holder: 'modbus 192.0.2.7', timeout: true } }),
+    'values missing, command timeout, held by modbus 192.0.2.7');
 });
 
 test('main signals: the first readable of each unit, three at most', () => {

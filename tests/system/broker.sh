@@ -58,17 +58,6 @@ all_true() { # with the alarm in $alarm, and the topics in $all
     (."hoist1/alarm/emcy" | fromjson | .active) == false'
 }
 
-# Modbus is asked all the while; what the test itself does meanwhile must cost little.
-modbus_begin() {
-  launch modbus "$(dirname "$gateway_bin")/../tests/system/modbus_latency" "$modbus_port" 5
-}
-modbus_end() { # modbus_end WHAT: $percent and $slowest, see modbus_latency.cpp
-  local count p99 bare
-  kill "${started[modbus]}"
-  wait "${started[modbus]}" || fail "Modbus did not answer"
-  read -r count p99 bare percent slowest <"$work/modbus.out"
-  say "Modbus, $1: $count reads, 99 % within $p99 µs, $percent % of a bare server's $bare µs; the slowest $slowest µs"
-}
 modbus_as_before() { # modbus_as_before WHAT
   modbus_end "$1"
   expect_at_most "99 % of the reads, $1, in percent of a bare server's" $((2 * before)) "$percent"

@@ -267,3 +267,15 @@ register_is() { [ "$(read_register "$1" "$2")" = "$3" ]; }
 ask() {
   mosquitto_rr -V 5 -h "$broker_host" -p "$broker_port" -W 5 -t "$topics/$1" -e "answers/$RANDOM$RANDOM" -m "$2"
 }
+
+# Modbus is asked all the while; what the test itself does meanwhile must cost little.
+modbus_begin() {
+  launch modbus "$(dirname "$gateway_bin")/../tests/system/modbus_latency" "$modbus_port" 5
+}
+modbus_end() { # modbus_end WHAT: $percent and $slowest, see modbus_latency.cpp
+  local count p99 bare
+  kill "${started[modbus]}"
+  wait "${started[modbus]}" || fail "Modbus did not answer"
+  read -r count p99 bare percent slowest <"$work/modbus.out"
+  say "Modbus, $1: $count reads, 99 % within $p99 µs, $percent % of a bare server's $bare µs; the slowest $slowest µs"
+}

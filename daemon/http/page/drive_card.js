@@ -1,7 +1,7 @@
 // One drive: a line that always shows, and what is under it when it is opened.
 import { element, setClass, setText, timeNode } from './dom.js';
 import { Trends } from './trends.js';
-import { alarmText, clockText, driveState, mainSignals, NONE, valueText, valueWithUnit } from './words.js';
+import { alarmText, clockText, driveState, mainSignals, NONE, notesOf, valueText, valueWithUnit } from './words.js';
 
 export class DriveCard {
   #signals;
@@ -40,6 +40,7 @@ export class DriveCard {
     setClass(this.#badge, `badge ${state.mood}`);
     setClass(this.node, drive.fresh && drive.online ? '' : 'stale');
     setText(this.#notes, notesOf(drive));
+    setClass(this.#notes, `notes ${state.mood}`);
     this.#main.forEach((signal, i) => setText(this.#mainValues[i], valueWithUnit(drive.values[signal.name], signal)));
     if (this.#details.open) {
       this.#body?.show(drive);
@@ -75,24 +76,6 @@ export class DriveCard {
     }
     this.#trends ??= new Trends(this, this.#signals, this.#body.trends, clock);
   }
-}
-
-function notesOf(drive) {
-  const notes = [];
-  const warnings = drive.alarms.filter((alarm) => alarm.severity === 'warning').length;
-  if (warnings > 0) {
-    notes.push(warnings === 1 ? '1 warning' : `${warnings} warnings`);
-  }
-  if (drive.online && !drive.fresh) {
-    notes.push('values missing');
-  }
-  if (drive.control.timeout) {
-    notes.push('command timeout');
-  }
-  if (drive.control.holder !== null) {
-    notes.push(`held by ${drive.control.holder}`);
-  }
-  return notes.join(', ');
 }
 
 class CardBody {

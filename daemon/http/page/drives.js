@@ -3,7 +3,7 @@
 import { byId } from './dom.js';
 import { DriveCard } from './drive_card.js';
 
-const OPEN_AT_ONCE = 4;     // drives; more are a list to choose from
+const FEW = 4;              // drives; more are searched
 const WORK_IN_FRAME = 6;    // ms
 const MAKE_AT_ONCE = 10;
 
@@ -16,16 +16,12 @@ export class Drives {
   #planned = false;
 
   async make(map, clock) {
-    const open = map.drives.length <= OPEN_AT_ONCE && matchMedia('(min-width: 60rem)').matches;
-    byId('drive-filter-label').hidden = map.drives.length <= OPEN_AT_ONCE;
+    byId('drive-filter-label').hidden = map.drives.length <= FEW;
     this.#filter.addEventListener('input', () => this.#showFiltered());
     for (const [i, drive] of map.drives.entries()) {
       const card = new DriveCard(drive, clock);
       this.#cards.set(drive.name, card);
       this.#list.append(card.node);
-      if (open) {
-        card.open();
-      }
       if (i % MAKE_AT_ONCE === MAKE_AT_ONCE - 1) {
         await new Promise((resolve) => setTimeout(resolve));
       }

@@ -75,6 +75,28 @@ export function driveState(drive) {
   return { word: drive.values.running === false ? 'stopped' : 'operational', mood: 'good' };
 }
 
+/** In its line: why it does not run, and what else one should know of it. */
+export function notesOf(drive) {
+  const notes = drive.alarms.filter((alarm) => alarm.severity === 'fault').slice(0, 1).map(alarmText);
+  const warnings = drive.alarms.filter((alarm) => alarm.severity === 'warning').length;
+  if (warnings > 0) {
+    notes.push(warnings === 1 ? '1 warning' : `${warnings} warnings`);
+  }
+  if (drive.online && !drive.fresh) {
+    notes.push('values missing');
+  }
+  if (drive.online && drive.values.running === false) {
+    notes.push(`commanded: ${drive.commanded.control_command ?? 'nothing'}`);
+  }
+  if (drive.control.timeout) {
+    notes.push('command timeout');
+  }
+  if (drive.control.holder !== null) {
+    notes.push(`held by ${drive.control.holder}`);
+  }
+  return notes.join(', ');
+}
+
 /** Up to three signals that tell most: the first one of each unit. */
 export function mainSignals(signals) {
   const units = new Set();

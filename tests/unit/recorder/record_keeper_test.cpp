@@ -113,13 +113,16 @@ TEST_F(RecordKeeperTest, ThatTheDirectoryCanBeReadIsNoEndOfAFullDisk) {
   bench_.refuse(Call::write, ENOSPC);
   keeper_->post(record_of(0));
   ASSERT_TRUE(loop_.run_until([&] { return changed_ == 2; }));
+  EXPECT_FALSE(keeper_->works());
   ASSERT_TRUE(tries(12));
   ASSERT_EQ(keeper_->lost(), 1U);
   ASSERT_TRUE(tries(1)) << "it looks, though nothing waits";
   EXPECT_EQ(told_.size(), 2U) << told_.back();
+  EXPECT_FALSE(keeper_->works());
   bench_.accept();
   keeper_->post(record_of(1));
   ASSERT_TRUE(loop_.run_until([&] { return kept_.size() == 1; }));
+  EXPECT_TRUE(keeper_->works());
   expect_told(2, "records are kept again");
 }
 
@@ -142,8 +145,10 @@ TEST_F(RecordKeeperTest, ADiskThatHangsCostsTwoRecordsOfABusInMemory) {
   keeper_->post(record_of(0, 3, false, 1));
   EXPECT_EQ(keeper_->lost(), 1U);
   expect_told(0, "record " + stem_of(2) + " is lost: those before it are not on the disk yet");
+  EXPECT_TRUE(keeper_->works()) << "it may be slow";
   loop_.hand().advance(6s, 100ms);
   expect_told(1, "does not answer; records are not kept meanwhile");
+  EXPECT_FALSE(keeper_->works());
   bench_.go_on();
   ASSERT_TRUE(loop_.run_until([&] { return kept_.size() == 3; }));
 }

@@ -91,12 +91,14 @@ TEST_F(HttpMetrics, TellOfServersWhereThereAreSome) {
   };
   site_.journal = [] { return JournalFigures{.lost = 4, .passed_by = 5}; };
   site_.http = [] { return HttpFigures{.clients = 1, .refused = 0, .answers = {{200U, 9U}}}; };
+  site_.recorder = [] { return RecorderFigures{.works = false, .lost = 6}; };
   const std::string told = text("/metrics");
   for (const char* const line :
        {"canopen_gateway_modbus_clients 3\n", "canopen_gateway_modbus_refused_clients_total 2\n",
         "canopen_gateway_modbus_requests_total 7\n", "canopen_gateway_modbus_exceptions_total{code=\"0x0B\"} 1\n",
         "canopen_gateway_modbus_exceptions_total{code=\"0x02\"} 0\n", "canopen_gateway_mqtt_connected 1\n",
         "canopen_gateway_mqtt_messages_published_total 11\n", "canopen_gateway_mqtt_answers_dropped_total 2\n",
+        "canopen_gateway_recorder_works 0\n", "canopen_gateway_recorder_records_lost_total 6\n",
         "canopen_gateway_journal_lines_lost_total 4\n", "canopen_gateway_http_answers_total{status=\"200\"} 9\n"}) {
     EXPECT_THAT(told, HasSubstr(line));
   }
