@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "bridges/mqtt/tls_handshake.h"
 #include "canopen/clock.h"
 #include "config/text.h"
 #include "daemon/commands.h"
@@ -318,6 +319,7 @@ int main(int argc, char** argv) {
     gateway::open_missing_descriptors();
     // Whoever reads our output may go. Writing then fails, which commands tell, and `run` outlives.
     std::signal(SIGPIPE, SIG_IGN);
+    mqtt::keep_tls_until_the_end();
     return obey(argc, argv);
   } catch (const std::exception& error) {
     gateway::complain(error.what());
