@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using Addresses = std::vector<std::string>;
 
-constexpr auto kLimit = 20s;
+constexpr auto kAnswersWithin = 20s;
 
 /// Of the questions' threads too, which nobody waits for.
 struct NameServer {
@@ -42,7 +42,7 @@ class BrokerAddressesTest : public testing::Test {
   }
   [[nodiscard]] static bool ask(BrokerAddresses& addresses) {
     addresses.ask();
-    return addresses.is_answered(kLimit);
+    return addresses.is_answered(kAnswersWithin);
   }
   void answer(Addresses with) {
     const std::lock_guard lock(server_->mutex);
@@ -108,12 +108,12 @@ TEST_F(BrokerAddressesTest, WithTlsTheNameIsGivenAwayOnlyWhereItWasAnsweredJustN
 TEST_F(BrokerAddressesTest, AreAskedForAheadNowAndThen) {
   BrokerAddresses addresses = make("broker.example");
   addresses.ask_ahead(now_);
-  ASSERT_TRUE(addresses.is_answered(kLimit));
+  ASSERT_TRUE(addresses.is_answered(kAnswersWithin));
   EXPECT_TRUE(addresses.can_do_without());
   addresses.ask_ahead(now_ + BrokerAddresses::kAhead - 1s);
   EXPECT_EQ(questions(), 1);
   addresses.ask_ahead(now_ + BrokerAddresses::kAhead);
-  ASSERT_TRUE(addresses.is_answered(kLimit));
+  ASSERT_TRUE(addresses.is_answered(kAnswersWithin));
   EXPECT_EQ(questions(), 2);
 }
 
@@ -125,7 +125,7 @@ TEST_F(BrokerAddressesTest, ANameServerThatHangsIsAskedOnceAtATime) {
   addresses.ask_ahead(now_ + 24h);
   EXPECT_FALSE(addresses.is_answered());
   release.set_value();
-  ASSERT_TRUE(addresses.is_answered(kLimit));
+  ASSERT_TRUE(addresses.is_answered(kAnswersWithin));
   EXPECT_EQ(questions(), 1);
 }
 
@@ -136,7 +136,7 @@ TEST_F(BrokerAddressesTest, AreNotAskedForAheadWhereThatIsOfNoUse) {
   BrokerAddresses numeric = make("192.0.2.1");
   ASSERT_TRUE(ask(numeric));
   numeric.ask_ahead(now_);
-  ASSERT_TRUE(numeric.is_answered(kLimit));
+  ASSERT_TRUE(numeric.is_answered(kAnswersWithin));
   EXPECT_EQ(questions(), 1) << "an address is its own name";
 }
 

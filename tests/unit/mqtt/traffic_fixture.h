@@ -11,11 +11,11 @@
 
 namespace mqtt::test {
 
-using Texts = std::vector<std::string>;
-
 /// What goes to a broker, at a time that the test moves by hand.
 class TrafficTest : public testing::Test {
  protected:
+  using Texts = std::vector<std::string>;
+
   void SetUp() override { begin(); }
 
   void begin(const BrokerLimits& limits = {}) {

@@ -13,7 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 using test::answer;
 using test::status;
-using test::Texts;
 using test::TrafficTest;
 using test::value;
 

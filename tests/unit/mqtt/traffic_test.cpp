@@ -11,7 +11,6 @@ namespace mqtt {
 namespace {
 
 using namespace std::chrono_literals;
-using test::Texts;
 using test::TrafficTest;
 using test::value;
 
