@@ -6,6 +6,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "bridges/mqtt/tls_handshake.h"
 #include "daemon/command_line.h"
 #include "daemon/commands.h"
 #include "daemon/control/ask.h"
@@ -154,6 +155,7 @@ int main(int argc, char** argv) {
     gateway::open_missing_descriptors();
     // Whoever reads our output may go. Writing then fails, which commands tell, and `run` outlives.
     std::signal(SIGPIPE, SIG_IGN);
+    mqtt::keep_tls_until_the_end();
     return obey(argc, argv);
   } catch (const std::exception& error) {
     gateway::complain(error.what());

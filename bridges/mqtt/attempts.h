@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -33,6 +34,8 @@ class Attempts {
   void found(std::vector<std::string> addresses);
   /// How many of them there are.
   [[nodiscard]] std::size_t addresses() const noexcept { return addresses_.size(); }
+  /// How many of them were not tried yet.
+  [[nodiscard]] std::size_t untried() const noexcept { return addresses_.size() - std::min(next_, addresses_.size()); }
   /// Empty: there is none.
   [[nodiscard]] std::string next_address();
   /// The next one is the first again, of those that the name has then.

@@ -2,27 +2,26 @@
 
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "bridges/mqtt/attempts.h"
-#include "bridges/mqtt/errand.h"
+#include "bridges/mqtt/broker_addresses.h"
 #include "config/model.h"
 
 namespace mqtt {
 
 /// One of the brokers, and what the publisher's thread knows of it.
 struct Candidate {
-  Candidate(config::Endpoint endpoint, int version)
+  Candidate(config::Endpoint endpoint, int version, Resolver resolver)
       : broker(std::move(endpoint)),
         name(uri_host(broker.host) + ":" + std::to_string(broker.port)),
-        attempts(version) {}
+        attempts(version),
+        addresses(broker, std::move(resolver)) {}
 
   config::Endpoint broker;
   std::string name;  ///< `HOST:PORT`.
   Attempts attempts;
-  Errand<std::vector<std::string>> look_up;  ///< Of its name.
-  std::vector<std::string> resolved{};       ///< Its addresses, numeric.
-  std::string said{};                        ///< Why it gave no connection, as it stands in the log.
+  BrokerAddresses addresses;
+  std::string said{};  ///< Why it gave no connection, as it stands in the log.
 };
 
 }  // namespace mqtt

@@ -43,6 +43,7 @@ struct BrokerLimits {
 struct Refusal {
   int code = -1;        ///< Of CONNACK; negative: none came.
   bool closed = false;  ///< The broker closed the connection without a CONNACK.
+  bool nobody = false;  ///< Nobody takes connections there.
   std::string why{};    ///< Where somebody has to mend it: what, and how.
 };
 

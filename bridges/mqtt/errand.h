@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
 #include <functional>
 #include <future>
 #include <optional>
@@ -11,14 +12,18 @@
 namespace mqtt {
 
 /// Work that may hang for long, such as a name server's: in a thread of its own, which owns all that it uses, so that
-/// it can be left to itself. One at a time. Not thread-safe.
+/// it can be left to itself. One at a time. What throws came to T(). Not thread-safe.
 template <class T>
 class Errand {
  public:
   /// False: no thread is to be had.
   bool start(std::function<T()> work) {
     std::packaged_task<Done()> task([to_do = std::move(work)] {
-      T result = to_do();
+      T result{};
+      try {
+        result = to_do();
+      } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): it came to nothing
+      }
       return Done{std::move(result), std::chrono::steady_clock::now()};
     });
     std::future<Done> result = task.get_future();

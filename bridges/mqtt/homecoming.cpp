@@ -5,7 +5,7 @@
 namespace mqtt {
 
 Homecoming::Step Homecoming::due(TimePoint now) const noexcept {
-  if (looked_ && now - *looked_ < interval_) {
+  if (looked_ && now - *looked_ < interval()) {
     return Step::none;
   }
   // A trial is good for a while: the password may have been changed since.
@@ -16,7 +16,7 @@ Homecoming::Step Homecoming::due(TimePoint now) const noexcept {
 void Homecoming::looked(bool reached, TimePoint now) noexcept {
   constexpr int kMissed = 3;
   // Where nobody looked meanwhile, as on a machine that slept, nobody knows.
-  const bool gap = looked_ && now - *looked_ > kMissed * interval_;
+  const bool gap = looked_ && now - *looked_ > kMissed * interval();
   looked_ = now;
   if (!reached) {
     since_.reset();
@@ -48,6 +48,10 @@ void Homecoming::ended(Milliseconds stood, bool stays, TimePoint now) noexcept {
   if (returning_ && !stays) {
     fail(now);
   }
+}
+
+Homecoming::Milliseconds Homecoming::interval() const noexcept {
+  return std::max(interval_, std::min<Milliseconds>(interval_ * (reachable_ / shortest_), kRarest));
 }
 
 void Homecoming::fail(TimePoint now) noexcept {

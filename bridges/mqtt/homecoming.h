@@ -18,8 +18,10 @@ class Homecoming {
 
   /// Longest time in which it must have been reached, where that is not the shortest.
   static constexpr std::chrono::hours kLongest{4};
+  /// Longest time between two looks, likewise: each is a line in that broker's log.
+  static constexpr std::chrono::minutes kRarest{5};
 
-  /// `reachable`: for so long it was, at the beginning; `interval`: so often it is looked for.
+  /// `reachable`: for so long it was, at the beginning; `interval`: so often it is looked for then.
   Homecoming(Milliseconds reachable, Milliseconds interval)
       : shortest_(reachable), reachable_(reachable), interval_(interval) {}
 
@@ -41,6 +43,8 @@ class Homecoming {
 
  private:
   void fail(TimePoint now) noexcept;
+  /// So often it is looked for: the more rarely, the longer it must have been reached.
+  [[nodiscard]] Milliseconds interval() const noexcept;
 
   Milliseconds shortest_;
   Milliseconds reachable_;

@@ -15,7 +15,10 @@ std::string text_of(const Refusal& refusal) {
   if (refusal.code >= 0) {
     return "the broker refuses the connection: " + reason_text(refusal.code);
   }
-  return refusal.closed ? "the connection is refused or closed before the broker answers" : "no connection";
+  if (refusal.nobody) {
+    return "the connection is refused";
+  }
+  return refusal.closed ? "the connection is closed before the broker answers" : "no connection";
 }
 
 void Line::begin() {

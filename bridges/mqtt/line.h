@@ -48,6 +48,8 @@ struct Line {
   void up(const BrokerLimits& of_broker);
   void refused(const Refusal& by_broker);
   void down(int code);
+  /// Nobody waits for it any more: one that comes about now is none.
+  void give_up() { refused(refusal); }
 
   [[nodiscard]] bool is_up() const noexcept { return state == State::up; }
   /// It is up or was.

@@ -23,7 +23,7 @@ Publisher::Publisher(boost::asio::any_io_executor executor, PublisherSettings se
       homecoming_(settings_.return_after, settings_.look_interval),
       ended_timer_(executor) {
   for (const config::Endpoint& broker : settings_.brokers) {
-    candidates_.emplace_back(broker, settings_.version);
+    candidates_.emplace_back(broker, settings_.version, settings_.resolver);
   }
 }
 

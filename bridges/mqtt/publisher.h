@@ -44,6 +44,7 @@ struct PublisherSettings {
   std::chrono::milliseconds quiet{2000};  ///< A broker that says nothing for so long is asked, where there is another.
   std::chrono::milliseconds stalled = Traffic::kStalledOfSeveral;  ///< And given up where it says nothing for so long.
   std::chrono::milliseconds hurried{3000};   ///< For a broker's name, and for a connection, where there is another.
+  std::chrono::milliseconds turn{5000};      ///< For all addresses of a name together, likewise.
   std::chrono::milliseconds farewell{2000};  ///< For the last messages at the end.
   std::chrono::milliseconds resolve_patience{300000};  ///< A publisher that resolves longer stands still.
   /// alive(): longest time of the thread without a sign of life; longer than the second in which it gives one.
@@ -107,22 +108,32 @@ class Publisher final : public Broker, private ClientEvents {
   [[nodiscard]] Turn take_turn();
   [[nodiscard]] Turn attempt(const std::string& address);
   void find_addresses();
+  /// Of the other brokers, while nobody waits for them.
+  void find_addresses_ahead(Clock::time_point now);
   void tell_connected(const std::string& address, int version);
   std::optional<Refusal> connect(const std::string& address, int version);
   [[nodiscard]] std::chrono::milliseconds connect_patience();
   [[nodiscard]] std::optional<Refusal> await_connection(std::chrono::milliseconds patience, int version);
+  /// Somebody takes connections there.
+  [[nodiscard]] bool accepts(const std::string& address);
   [[nodiscard]] std::string mistake_of_tls();
   [[nodiscard]] Candidate& candidate() { return candidates_[rotation_.at()]; }
   [[nodiscard]] bool is_one_of_several() const { return candidates_.size() > 1; }
   [[nodiscard]] bool is_finishing() const;
-  /// Where this broker, or this address of it, is none, there is another one.
-  [[nodiscard]] bool has_elsewhere() { return is_one_of_several() || candidate().attempts.addresses() > 1; }
+  /// Where this broker, or this machine of it, is none, there is another one.
+  [[nodiscard]] bool has_elsewhere() { return is_one_of_several() || candidate().addresses.are_of_several(); }
+  /// The next broker, or the next address, is to be in use soon: not each was tried in vain.
+  [[nodiscard]] bool hurries() {
+    return (is_one_of_several() || candidate().attempts.addresses() > 1) && rotation_.is_first_round();
+  }
 
   // What it does with them, and between them.
   void run();
   Turn serve();
   [[nodiscard]] Line::End serve_until_end();
   [[nodiscard]] bool is_silent();
+  /// Longest time until is_silent() or look_home() has something to do.
+  [[nodiscard]] std::chrono::milliseconds until_check();
   void look_home();
   void begin_look(Homecoming::Step step);
   /// The loop is to know whether the broker in use may be left.
@@ -165,9 +176,9 @@ class Publisher final : public Broker, private ClientEvents {
   std::vector<Candidate> candidates_;
   Rotation rotation_;
   Homecoming homecoming_;
-  Errand<Reach> look_;       ///< For the first broker, from another one.
-  bool look_tries_ = false;  ///< It is a connection on trial.
-  std::string last_place_;   ///< Broker and address of the last connection.
+  Errand<Reach> look_;                                    ///< For the first broker, from another one.
+  bool look_tries_ = false;                               ///< It is a connection on trial.
+  Clock::time_point turn_by_ = Clock::time_point::max();  ///< Then the next broker has its turn.
 
   // The loop's own.
   std::thread thread_;

@@ -1,11 +1,14 @@
 // The turn of one broker: look up its name, try its addresses, serve the connection that comes about.
 
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "bridges/mqtt/password.h"
 #include "bridges/mqtt/publisher.h"
 #include "bridges/mqtt/reasons.h"
+#include "bridges/mqtt/tcp_connection.h"
 
 namespace mqtt {
 namespace {
@@ -15,12 +18,16 @@ using namespace std::chrono_literals;
 constexpr auto kLookUpCheck = 50ms;
 // Beyond connect_timeout, by which Paho gives up, but not at once.
 constexpr auto kPahoDelay = 2s;
-// Where there is another broker, which is to be in use 10 s after this one fell silent: for all addresses of a name
-// together, and for each of them. When all were tried in vain they have all the time that one alone has.
-constexpr auto kNameAge = 30s;
-constexpr auto kLongNamePatience = 10s;
-constexpr auto kTurnPatience = 6000ms;
+// For an address, where there is another broker, which is to be in use 10 s after this one fell silent. When all were
+// tried in vain they have all the time that one alone has.
 constexpr auto kShortestPatience = 1000ms;
+constexpr auto kLeastPatience = 250ms;
+constexpr auto kLongNamePatience = 10s;
+// For the name of a broker whose last addresses are known, before those are tried.
+constexpr auto kKnownNamePatience = 500ms;
+// Between two attempts of which the first was closed: it may be starting.
+constexpr auto kBetweenCloses = 500ms;
+constexpr auto kAcceptPatience = 500ms;
 // For the cause why TLS fails, after an attempt that took as long as it may: it is told within 10 s.
 constexpr auto kTlsPatience = 3s;
 constexpr auto kTlsPatienceOfSeveral = 1s;
@@ -28,17 +35,22 @@ constexpr auto kTlsPatienceOfSeveral = 1s;
 }  // namespace
 
 Publisher::Turn Publisher::take_turn() {
+  find_addresses_ahead(Clock::now());
   Attempts& attempts = candidate().attempts;
   if (attempts.wants_addresses()) {
     find_addresses();
   }
-  Turn turn{.end = {.why = candidate().look_up.runs() ? "nothing is known of its name yet"
-                                                      : "the name " + candidate().broker.host + " has no address"}};
-  while (!attempts.wants_addresses() && !turn.stood && !is_finishing()) {
+  const bool hurries_now = is_one_of_several() && rotation_.is_first_round();
+  turn_by_ = hurries_now ? Clock::now() + settings_.turn : Clock::time_point::max();
+  Turn turn{.end = {.why = candidate().addresses.is_answered()
+                               ? "the name " + candidate().broker.host + " has no address"
+                               : "nothing is known of its name yet"}};
+  const auto goes_on = [this] { return !is_finishing() && turn_by_ - Clock::now() >= kLeastPatience; };
+  while (!attempts.wants_addresses() && !turn.stood && goes_on()) {
     drop_client();
     const std::string address = attempts.next_address();
     Turn next = attempt(address);
-    if (!next.stood && is_one_of_several() && attempts.is_undecided(address)) {
+    if (!next.stood && is_one_of_several() && attempts.is_undecided(address) && pause(kBetweenCloses) && goes_on()) {
       drop_client();
       next = attempt(address);
     }
@@ -55,21 +67,29 @@ void Publisher::find_addresses() {
     const Guard lock(mutex_);
     expect_sign_of_life(is_one_of_several() ? settings_.silence : settings_.resolve_patience);
   }
-  // One that is asked for still is not asked for again; what was true a while ago may not be any more.
-  asked.look_up.forget_older(kNameAge);
-  if (!asked.look_up.runs()) {
-    (void)asked.look_up.start([resolver = settings_.resolver, broker = asked.broker] { return resolver(broker); });
+  asked.addresses.ask();
+  const bool hurries_now = is_one_of_several() && rotation_.is_first_round();
+  auto end = Clock::time_point::max();
+  if (is_one_of_several() || asked.addresses.can_do_without()) {
+    end = Clock::now() + (hurries_now ? settings_.hurried : std::chrono::milliseconds(kLongNamePatience));
   }
-  const bool hurries = is_one_of_several() && rotation_.is_first_round();
-  const auto end = Clock::now() + std::chrono::milliseconds(hurries ? settings_.hurried : kLongNamePatience);
-  std::optional<std::vector<std::string>> found;
-  while (!found && asked.look_up.runs() && !is_finishing() && !(is_one_of_several() && Clock::now() > end)) {
-    found = asked.look_up.take(kLookUpCheck);
+  if (hurries_now && asked.addresses.can_do_without()) {
+    end = Clock::now() + kKnownNamePatience;
   }
-  asked.resolved = found.value_or(std::vector<std::string>());
-  // With TLS Paho gets the name, which the certificate must be for, and takes the address that the system gives.
-  const bool named = asked.broker.tls && !asked.resolved.empty();
-  asked.attempts.found(named ? std::vector<std::string>{asked.broker.host} : asked.resolved);
+  while (!asked.addresses.is_answered(kLookUpCheck) && !is_finishing() && Clock::now() < end) {
+  }
+  // Where there are none, what is known of those of before stays.
+  if (std::vector<std::string> to_try = asked.addresses.to_try(); !to_try.empty()) {
+    asked.attempts.found(std::move(to_try));
+  }
+}
+
+void Publisher::find_addresses_ahead(Clock::time_point now) {
+  for (Candidate& each : candidates_) {
+    if (&each != &candidate()) {
+      each.addresses.ask_ahead(now);
+    }
+  }
 }
 
 Publisher::Turn Publisher::attempt(const std::string& address) {
@@ -94,17 +114,18 @@ Publisher::Turn Publisher::attempt(const std::string& address) {
 
 void Publisher::tell_connected(const std::string& address, int version) {
   const Candidate& now = candidate();
-  const bool one_of_several = now.attempts.addresses() > 1;
-  say(Level::info, "MQTT: connected to " + now.name + (one_of_several ? " at " + address : "") +
+  const bool of_before = !now.broker.tls && !now.addresses.are_new();
+  const std::string at = of_before || now.attempts.addresses() > 1 ? " at " + address : "";
+  say(Level::info, "MQTT: connected to " + now.name + at +
+                       (of_before ? ", its last known address, for nobody answers for the name" : "") +
                        (version == 5 ? ", MQTT 5" : ", MQTT 3.1.1") + (now.broker.tls ? ", TLS" : ""));
   Connected connected{.id = line_.connection, .version = version, .broker = now.name};
   if (!now.broker.tls) {
     connected.address = address;
   }
-  if (const std::string place = place_of(connected); place != last_place_) {
+  {
     const Guard lock(mutex_);
-    traffic_.change_broker();
-    last_place_ = place;
+    traffic_.at_broker(rotation_.at());
   }
   loop_->post([this, told = std::move(connected)] { events_->on_connected(told); });
 }
@@ -136,6 +157,10 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
     return Refusal{};
   }
   std::optional<Refusal> refusal = await_connection(connect_patience(), version);
+  if (refusal && refusal->closed && !accepts(address)) {
+    refusal->closed = false;  // no broker did: of a machine far away Paho tells both alike
+    refusal->nobody = true;
+  }
   if (refusal && refusal->code < 0 && broker.tls) {
     if (std::string why = mistake_of_tls(); !why.empty()) {
       return Refusal{.why = std::move(why)};
@@ -146,18 +171,29 @@ std::optional<Refusal> Publisher::connect(const std::string& address, int versio
 
 std::chrono::milliseconds Publisher::connect_patience() {
   const bool returns = rotation_.at() == 0 && homecoming_.is_arriving();  // which was tried before
-  if (!has_elsewhere() || !rotation_.is_first_round() || returns) {
+  if (!hurries() || returns) {
     return settings_.client.connect_timeout + kPahoDelay;
   }
-  const auto share = kTurnPatience / static_cast<std::chrono::milliseconds::rep>(candidate().attempts.addresses());
-  return std::min<std::chrono::milliseconds>(std::max<std::chrono::milliseconds>(share, kShortestPatience),
-                                             settings_.hurried);
+  if (turn_by_ == Clock::time_point::max()) {
+    return settings_.hurried;
+  }
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(turn_by_ - Clock::now());
+  const auto share = left / static_cast<std::chrono::milliseconds::rep>(candidate().attempts.untried() + 1);
+  return std::min({std::max<std::chrono::milliseconds>(share, kShortestPatience), settings_.hurried,
+                   std::max<std::chrono::milliseconds>(left, kLeastPatience)});
+}
+
+bool Publisher::accepts(const std::string& address) {
+  const Candidate& tried = candidate();
+  const auto addresses = tried.broker.tls ? tried.addresses.known() : std::vector<std::string>{address};
+  return connect_to(addresses, tried.broker.port, Clock::now() + kAcceptPatience).descriptor >= 0;
 }
 
 std::optional<Refusal> Publisher::await_connection(std::chrono::milliseconds patience, int version) {
   Lock lock(mutex_);
   wake_.wait_for(lock, patience, [this] { return line_.state != Line::State::connecting || finishing_; });
   if (!line_.stood()) {
+    line_.give_up();
     return line_.refusal;
   }
   traffic_.begin(line_.limits, version, Clock::now());
@@ -169,7 +205,7 @@ std::string Publisher::mistake_of_tls() {
   if (is_finishing()) {
     return {};
   }
-  return tls_mistake(candidate().broker, candidate().resolved, settings_.client.tls,
+  return tls_mistake(candidate().broker, candidate().addresses.known(), settings_.client.tls,
                      is_one_of_several() ? kTlsPatienceOfSeveral : kTlsPatience);
 }
 

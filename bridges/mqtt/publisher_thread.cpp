@@ -20,7 +20,7 @@ constexpr auto kGoodConnection = 10s;
 constexpr auto kGoodbye = 500ms;
 constexpr auto kShortGoodbye = 200ms;
 constexpr auto kStallCheck = 1000ms;
-constexpr auto kStallCheckOfSeveral = 500ms;
+constexpr auto kLookCheck = 500ms;
 constexpr auto kEndCheck = 50ms;
 // After the farewell; both together are shorter than kStopLimit.
 constexpr auto kLetGo = 1s;
@@ -106,7 +106,7 @@ Line::End Publisher::serve_until_end() {
     if (!traffic_.may_send(Clock::now())) {
       expect_sign_of_life(settings_.silence);  // what could leave and does not is no sign of life; send() gives it
     }
-    wake_.wait_for(lock, has_elsewhere() ? kStallCheckOfSeveral : kStallCheck, [this] { return has_work(); });
+    wake_.wait_for(lock, until_check(), [this] { return has_work(); });
     line_.stalled = is_silent();
     if (!line_.is_up() || line_.stalled) {
       if (line_.stalled && has_elsewhere()) {
@@ -119,6 +119,7 @@ Line::End Publisher::serve_until_end() {
       return line_.end(settings_.client.client_id);
     }
     look_home();
+    find_addresses_ahead(Clock::now());
     if (!carry_out(lock) || !send(lock)) {
       line_.state = Line::State::down;
     } else if (line_.drop || farewell_over()) {
@@ -142,6 +143,18 @@ bool Publisher::is_silent() {
     pulse_.asked(now);
   }
   return traffic_.stalled(now, settings_.stalled) || pulse_.stopped(settings_.stalled, now);
+}
+
+std::chrono::milliseconds Publisher::until_check() {
+  const auto now = Clock::now();
+  Clock::time_point due = now + (rotation_.at() == 0 ? kStallCheck : std::chrono::milliseconds(kLookCheck));
+  if (has_elsewhere()) {
+    due = std::min(due, traffic_.stalled_at(settings_.stalled));
+    if (pulse_.is_asked() || (settings_.client.qos > 0 && traffic_.is_idle())) {
+      due = std::min(due, pulse_.due(settings_.stalled));
+    }
+  }
+  return std::max<std::chrono::milliseconds>(std::chrono::ceil<std::chrono::milliseconds>(due - now), 1ms);
 }
 
 bool Publisher::carry_out(Lock& lock) {

@@ -25,8 +25,13 @@ class Pulse {
   void asked(TimePoint now) noexcept { asked_ = now; }
   /// It was asked, and has said nothing for so long.
   [[nodiscard]] bool stopped(std::chrono::milliseconds patience, TimePoint now) const noexcept {
-    return asked_ && now - *asked_ > patience;
+    return asked_ && now - *asked_ >= patience;
   }
+  /// When wants() or stopped() becomes true if it says nothing until then.
+  [[nodiscard]] TimePoint due(std::chrono::milliseconds patience) const noexcept {
+    return asked_ ? *asked_ + patience : heard_ + quiet_;
+  }
+  [[nodiscard]] bool is_asked() const noexcept { return asked_.has_value(); }
 
  private:
   std::chrono::milliseconds quiet_;

@@ -1,6 +1,7 @@
 #include "bridges/mqtt/tls_handshake.h"
 
 #include <fcntl.h>
+#include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509_vfy.h>
@@ -164,6 +165,10 @@ std::string try_tls(const config::Endpoint& broker, const std::vector<std::strin
 }
 
 }  // namespace
+
+void keep_tls_until_the_end() {
+  (void)OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
+}
 
 std::string tls_files_mistake(const TlsFiles& files) {
   const Context context = make_context();

@@ -19,6 +19,10 @@ struct TlsFiles {
   std::string key{};   ///< Its private key.
 };
 
+/// OpenSSL frees nothing when the process ends: a handshake that somebody waits for no more may run still. Before
+/// OpenSSL is used.
+void keep_tls_until_the_end();
+
 /// Why a connection with these files cannot be tried; empty: it can. Paho would ask the terminal for the password of a
 /// key, and names no file.
 [[nodiscard]] std::string tls_files_mistake(const TlsFiles& files);

@@ -51,8 +51,8 @@ void Traffic::end(bool unexplained, TimePoint now) {
     messages.push_back(&item.message);
   }
   if (!unexplained) {
-    suspects_.forget();  // one that is never acknowledged must not hold up the others each time
-  } else if (const auto held = suspects_.broke(messages, left_, now)) {
+    suspects_->forget();  // one that is never acknowledged must not hold up the others each time
+  } else if (const auto held = suspects_->broke(messages, left_, now)) {
     ++dropped_;
     say(*held);
   }
@@ -76,7 +76,7 @@ bool Traffic::may_send(TimePoint now) {
 }
 
 bool Traffic::may_join(const Message& next) const {
-  return under_way_.empty() || (!suspects_.leaves_alone(next) && !suspects_.leaves_alone(under_way_.front().message));
+  return under_way_.empty() || (!suspects_->leaves_alone(next) && !suspects_->leaves_alone(under_way_.front().message));
 }
 
 const Message* Traffic::next(TimePoint now) {
@@ -120,18 +120,22 @@ void Traffic::acknowledged(const Message* message, Delivery delivery, int code, 
   }
   published_ += delivery == Delivery::refused ? 0 : 1;
   begun_ = begun_ || sent->message.after_all;
-  suspects_.acquit(sent->message);
+  suspects_->acquit(sent->message);
   under_way_.erase(sent);
   progress_ = now;
 }
 
 bool Traffic::stalled(TimePoint now, std::chrono::milliseconds patience) const {
+  return now > stalled_at(patience);
+}
+
+Traffic::TimePoint Traffic::stalled_at(std::chrono::milliseconds patience) const {
   if (under_way_.empty()) {
-    return false;
+    return TimePoint::max();
   }
   // It is the first to arrive whole; what is acknowledged before it does not stall.
   const std::size_t bytes = packet_size(under_way_.front().message, version_, qos_);
-  return now - progress_ > patience + std::chrono::milliseconds(bytes * 1000 / kSlowestLine);
+  return progress_ + patience + std::chrono::milliseconds(bytes * 1000 / kSlowestLine);
 }
 
 BrokerCounts Traffic::counts() const {
@@ -139,7 +143,7 @@ BrokerCounts Traffic::counts() const {
 }
 
 Outbox::Holds Traffic::holds(TimePoint now) const {
-  return [this, now](const Message& message) { return suspects_.holds_back(message, begun_, now); };
+  return [this, now](const Message& message) { return suspects_->holds_back(message, begun_, now); };
 }
 
 std::list<Outbox::Item>::iterator Traffic::find(const Message* message) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -31,11 +32,13 @@ class Traffic {
   /// keep alive, and not while its socket is full.
   static constexpr std::chrono::seconds kStalled{8};
   /// Likewise where there is another broker, which is to be in use 10 s after this one fell silent.
-  static constexpr std::chrono::seconds kStalledOfSeveral{5};
+  static constexpr std::chrono::seconds kStalledOfSeveral{4};
   /// Bytes a second. A long message must not end each connection over a slow line.
   static constexpr std::size_t kSlowestLine = 4000;
 
   Traffic(int qos, Notice notice) : qos_(qos), notice_(std::move(notice)) {}
+  Traffic(const Traffic&) = delete;
+  Traffic& operator=(const Traffic&) = delete;
 
   void push(std::vector<Message> batch, TimePoint now);
   /// A connection of this version of MQTT (5, or 4 for 3.1.1) stands. Nothing leaves before open().
@@ -44,8 +47,9 @@ class Traffic {
   /// It is gone. `unexplained`: perhaps because of what was under way.
   void end(bool unexplained, TimePoint now);
 
-  /// The next connection is to another broker: what this one ended connections for is nothing to that.
-  void change_broker() { suspects_ = {}; }
+  /// The next connection is to this broker of the list: what another one ended connections for is nothing to it. The
+  /// addresses of one name are one broker, for they have the same rules; some name servers give another one each time.
+  void at_broker(std::size_t which) { suspects_ = &suspects_of_[which]; }
 
   [[nodiscard]] bool is_open() const noexcept { return open_; }
   /// next() has something.
@@ -66,6 +70,8 @@ class Traffic {
   /// Nothing is under way.
   [[nodiscard]] bool is_idle() const noexcept { return under_way_.empty(); }
   [[nodiscard]] bool stalled(TimePoint now, std::chrono::milliseconds patience = kStalled) const;
+  /// When it becomes true if nothing is acknowledged until then; max(): nothing is under way.
+  [[nodiscard]] TimePoint stalled_at(std::chrono::milliseconds patience) const;
   [[nodiscard]] BrokerCounts counts() const;
 
  private:
@@ -82,7 +88,8 @@ class Traffic {
   Notice notice_;
   Outbox outbox_;
   std::list<Outbox::Item> under_way_;
-  Suspects suspects_;
+  std::map<std::size_t, Suspects> suspects_of_;  ///< By broker.
+  Suspects* suspects_ = &suspects_of_[0];        ///< Of this one.
   bool open_ = false;
   bool begun_ = false;  ///< What leaves after all else was acknowledged on this connection.
   int version_ = 0;

@@ -8,7 +8,8 @@ import re
 import jinja2
 
 TOPIC = re.compile(r"^(?P<prefix>.+)/device/(?:(?P<node>[a-zA-Z0-9_-]+)/)?(?P<object>[a-zA-Z0-9_-]+)/config$")
-# Units of each device class, and which state classes go with it.
+# Units of each device class, and which state classes go with it: some of those that home-assistant/core has in
+# homeassistant/components/sensor/const.py, read at commit 00eb6680fbf6bdf7af2499095f2e74fca980a148.
 CLASSES = {
     "current": ({"A", "mA"}, {"measurement"}),
     "duration": ({"d", "h", "min", "s", "ms"}, {"measurement", "total", "total_increasing"}),

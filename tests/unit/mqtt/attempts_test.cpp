@@ -10,7 +10,9 @@ TEST(Attempts, TakeOneAddressAfterTheOther) {
   EXPECT_TRUE(attempts.wants_addresses());
   EXPECT_EQ(attempts.next_address(), "");
   attempts.found({"a", "b"});
+  EXPECT_EQ(attempts.untried(), 2U);
   EXPECT_EQ(attempts.next_address(), "a");
+  EXPECT_EQ(attempts.untried(), 1U);
   EXPECT_FALSE(attempts.wants_addresses());
   EXPECT_EQ(attempts.next_address(), "b");
   EXPECT_TRUE(attempts.wants_addresses());
@@ -20,6 +22,7 @@ TEST(Attempts, TakeOneAddressAfterTheOther) {
   EXPECT_EQ(attempts.next_version("a", 5, std::nullopt), std::nullopt);
   EXPECT_FALSE(attempts.wants_addresses()) << "one behind which the broker fell silent is followed by the next";
   attempts.restart();
+  EXPECT_EQ(attempts.untried(), 0U);
   EXPECT_TRUE(attempts.wants_addresses()) << "the next connection asks anew";
 }
 

@@ -2,15 +2,18 @@
 // back to the first.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <future>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "tests/support/mosquitto.h"
+#include "tests/unit/mqtt/brokers_fixture.h"
 #include "tests/unit/mqtt/first_words.h"
-#include "tests/unit/mqtt/on_mosquitto.h"
 #include "tests/unit/mqtt/tiny_broker.h"
 
 namespace mqtt {
@@ -18,89 +21,10 @@ namespace {
 
 using namespace std::chrono_literals;
 using support::Mosquitto;
-using test::FirstWords;
+using test::Brokers;
+using test::kBrokerStatus;
 using test::TinyBroker;
-
-constexpr const char* kBrokerStatus = "canopen/line3/status";
-/// What is promised.
-constexpr auto kOverWithin = 10s;
-
-class Brokers : public test::PublisherFixture {
- public:
-  void on_connected(const Connected& connection) override {
-    PublisherFixture::on_connected(connection);
-    used.push_back(connection.broker);
-    // As the bridge does.
-    publisher->publish({{.topic = kBrokerStatus, .payload = "online", .kind = MessageKind::status, .after_all = true}});
-    publisher->open(connection.id);
-  }
-  void on_may_leave(ConnectionId connection, bool may) override {
-    ++offers;
-    if (!may) {
-      return;
-    }
-    publisher->leave(connection,
-                     {{.topic = "canopen/line3/pump1/status", .payload = "offline"},
-                      {.topic = kBrokerStatus, .payload = "gone", .kind = MessageKind::status, .after_all = true}});
-  }
-  void on_no_connection(const std::string& why) override { failures.push_back(why); }
-
- protected:
-  static std::string name(std::uint16_t port) { return "127.0.0.1:" + std::to_string(port); }
-  static PublisherSettings of(const std::vector<std::uint16_t>& ports) {
-    PublisherSettings made = settings(ports.front());
-    made.brokers.clear();
-    for (const std::uint16_t port : ports) {
-      made.brokers.push_back({"127.0.0.1", port});
-    }
-    made.pause_after_refusal = 60s;
-    // As patient as a real one, but for the scale: what each of them is for a real one is told by PublisherSettings.
-    made.quiet = 500ms;
-    made.stalled = 1500ms;
-    made.hurried = 1500ms;
-    return made;
-  }
-  /// Of one who is back at the first as soon as it was reachable for a moment.
-  static PublisherSettings homesick(const std::vector<std::uint16_t>& ports) {
-    PublisherSettings made = of(ports);
-    made.return_after = 600ms;
-    made.look_interval = 1s;  // three of them missed begin the time anew, and the thread looks about each half second
-    return made;
-  }
-  [[nodiscard]] bool is_in_use(std::uint16_t port, std::chrono::milliseconds limit = kOverWithin) {
-    return run_until([&] { return connections.size() > disconnections && used.back() == name(port); }, limit);
-  }
-  [[nodiscard]] bool is_said(const std::string& part) const {
-    return std::ranges::any_of(notices, [&part](const auto& text) { return text.find(part) != std::string::npos; });
-  }
-  [[nodiscard]] static std::string retained(const Mosquitto& broker, const std::string& topic) {
-    return test::output_of("mosquitto_sub -V 5 -W 1 -C 1 -F '%r %p' -h 127.0.0.1 -p " + std::to_string(broker.port()) +
-                           " -t " + topic + " 2>/dev/null");
-  }
-  [[nodiscard]] bool is_retained(const Mosquitto& broker, const std::string& payload) {
-    return run_until([&] { return retained(broker, kBrokerStatus) == "1 " + payload + "\n"; });
-  }
-
-  std::vector<std::string> used;  ///< Brokers, in the order of their connections.
-  std::vector<std::string> failures;
-  std::size_t offers = 0;  ///< Of the way back.
-};
-
-class TwoBrokers : public Brokers {
- protected:
-  void SetUp() override {
-    ASSERT_TRUE(first_.start());
-    ASSERT_TRUE(second_.start());
-  }
-  void begin(PublisherSettings made) {
-    make(std::move(made));
-    ASSERT_TRUE(is_in_use(first_.port()));
-    ASSERT_TRUE(is_retained(first_, "online"));
-  }
-
-  Mosquitto first_;
-  Mosquitto second_;
-};
+using test::TwoBrokers;
 
 TEST_F(TwoBrokers, WhereTheFirstStopsTheSecondIsUsed) {
   begin(of({first_.port(), second_.port()}));
@@ -186,53 +110,6 @@ TEST_F(TwoBrokers, AnswersThatWaitGoAlong) {
   EXPECT_EQ(publisher->counts().answers_dropped, 0U);
 }
 
-TEST_F(Brokers, AFirstOneThatNobodyAnswersAtIsPassedOverWithAllItsAddresses) {
-  FirstWords one;
-  ASSERT_TRUE(one.fill());
-  FirstWords other("127.0.0.2", one.port());
-  ASSERT_TRUE(other.fill());
-  Mosquitto second;
-  ASSERT_TRUE(second.start());
-  PublisherSettings made = of({one.port(), second.port()});
-  made.brokers[0].host = "first.example";
-  made.resolver = [](const config::Endpoint& endpoint) {
-    return endpoint.host == "first.example" ? std::vector<std::string>{"127.0.0.1", "127.0.0.2"}
-                                            : std::vector<std::string>{endpoint.host};
-  };
-  make(std::move(made));
-  EXPECT_TRUE(is_in_use(second.port()));
-}
-
-TEST_F(Brokers, AFirstOneWhoseNameIsNotAnsweredIsPassedOver) {
-  Mosquitto second;
-  ASSERT_TRUE(second.start());
-  std::promise<void> release;
-  PublisherSettings made = of({1, second.port()});
-  made.brokers[0].host = "first.example";
-  made.resolver = [released = release.get_future().share()](const config::Endpoint& endpoint) {
-    if (endpoint.host == "first.example") {
-      released.wait();
-    }
-    return std::vector<std::string>{"127.0.0.1"};
-  };
-  make(std::move(made));
-  EXPECT_TRUE(is_in_use(second.port()));
-  release.set_value();
-}
-
-TEST_F(Brokers, AnAddressThatFallsSilentIsFollowedByTheNextOfItsName) {
-  Mosquitto one;
-  ASSERT_TRUE(one.start());
-  PublisherSettings made = of({one.port()});
-  made.brokers.front().host = "broker.example";
-  made.resolver = [](const config::Endpoint&) { return std::vector<std::string>{"127.0.0.1", "127.0.0.2"}; };
-  make(std::move(made));
-  ASSERT_TRUE(connected());
-  one.freeze();
-  const FirstWords next("127.0.0.2", one.port());
-  EXPECT_TRUE(run_until([&next] { return next.has_client(); }, kOverWithin));
-}
-
 TEST_F(Brokers, ABrokerThatAcknowledgesNothingIsLeft) {
   TinyBroker first({.speaks_5 = true, .by_hand = true});
   Mosquitto second;
@@ -251,6 +128,32 @@ TEST_F(Brokers, ARefusalKeepsNobodyFromTheSecond) {
   EXPECT_TRUE(is_in_use(second.port(), 5s));
   EXPECT_TRUE(is_said("trying " + name(second.port()))) << testing::PrintToString(notices);
   EXPECT_FALSE(failures.empty());
+}
+
+// Of a machine far away Paho tells a refused connection like one that a broker closed.
+TEST_F(Brokers, AFirstOneThatIsNotThereIsNoBrokerThatClosesOnMqtt5) {
+  auto first = std::make_unique<test::FirstWords>();
+  const std::uint16_t port = first->port();
+  Mosquitto second;
+  ASSERT_TRUE(second.start());
+  make(of({port, second.port()}));
+  const int client = first->take();
+  ASSERT_GE(client, 0);
+  first.reset();
+  close(client);
+  ASSERT_TRUE(is_in_use(second.port()));
+  EXPECT_TRUE(is_said(name(port) + ": the connection is refused; trying " + name(second.port())))
+      << testing::PrintToString(notices);
+}
+
+TEST(PublisherSettings, LeaveTheNextBrokerTimeWithinWhatIsPromised) {
+  constexpr auto kLastWord = 400ms;
+  constexpr auto kName = 500ms;
+  constexpr auto kCauseOfTls = 1000ms;
+  constexpr auto kNextOne = 2000ms;
+  const PublisherSettings real;
+  EXPECT_LE(real.quiet + real.stalled + kLastWord + kName + kNextOne, test::kOverWithin) << "it froze";
+  EXPECT_LE(real.first_pause + kName + real.turn + kCauseOfTls + kName + kNextOne, test::kOverWithin) << "it is gone";
 }
 
 TEST_F(Brokers, AnOlderBrokerIsUsedWhereItIsTheFirst) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <new>
 
 namespace mqtt {
 namespace {
@@ -34,6 +35,13 @@ TEST(Errand, WhatCameOfItLongAgoIsNotTold) {
   }
   ASSERT_TRUE(errand.start([] { return 8; }));
   EXPECT_EQ(errand.take(kLimit), 8);
+}
+
+TEST(Errand, WhatThrowsComesToNothing) {
+  Errand<int> errand;
+  ASSERT_TRUE(errand.start([]() -> int { throw std::bad_alloc(); }));
+  EXPECT_EQ(errand.take(kLimit), 0);
+  EXPECT_FALSE(errand.runs());
 }
 
 TEST(Errand, OneThatHangsCanBeForgottenAndAnotherOneBegun) {

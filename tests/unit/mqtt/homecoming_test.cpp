@@ -73,10 +73,20 @@ TEST_F(HomecomingTest, EachTrialThatFailsDoublesTheTimeUpToFourHours) {
     const auto waited = trial_within(24h);
     ASSERT_TRUE(waited);
     EXPECT_GE(*waited, expected);
-    EXPECT_LE(*waited, expected + 60s);
+    EXPECT_LE(*waited, expected + Homecoming::kRarest + 60s);
     homecoming_.tried(false, now_);
     EXPECT_FALSE(homecoming_.may_go());
     expected = std::min<std::chrono::seconds>(2 * expected, 4h);
+  }
+}
+
+// Each look is a line in that broker's log.
+TEST_F(HomecomingTest, IsLookedForMoreRarelyTheMoreTrialsFailed) {
+  for (const auto interval : {30s, 60s, 120s, 240s, 300s, 300s}) {
+    homecoming_.looked(true, now_);
+    EXPECT_EQ(homecoming_.due(now_ + interval - 1s), Step::none) << interval.count();
+    EXPECT_NE(homecoming_.due(now_ + interval), Step::none) << interval.count();
+    homecoming_.tried(false, now_);
   }
 }
 

@@ -29,6 +29,18 @@ TEST(Line, BehindASuspectedTakeOverItIsNotTriedAgainAtOnce) {
   EXPECT_FALSE(line.suspects_takeover) << "of that connection only";
 }
 
+TEST(Line, OneThatWasGivenUpIsNoneWhenItComesAboutAfterAll) {
+  Line line;
+  line.begin();
+  line.give_up();
+  line.up({});
+  EXPECT_FALSE(line.stood());
+  line.begin();
+  line.up({});
+  line.give_up();
+  EXPECT_TRUE(line.is_up()) << "it came just in time";
+}
+
 TEST(Line, TellsABrokerThatIsSilentFromOneThatIsLeft) {
   Line line;
   line.begin();

@@ -166,6 +166,7 @@ bool TinyBroker::answer(int client, std::uint8_t first, const std::vector<std::u
     return true;
   }
   unsubscribes_ += type == kUnsubscribe ? 1 : 0;
+  pings_ += type == kPing ? 1 : 0;
   if (type == kPublish) {
     return take_publish(client, first, body);
   }

@@ -39,6 +39,8 @@ class TinyBroker {
   [[nodiscard]] std::vector<int> levels() const;
   /// How many UNSUBSCRIBEs were seen.
   [[nodiscard]] int unsubscribes() const noexcept { return unsubscribes_; }
+  /// How many PINGREQs were seen.
+  [[nodiscard]] int pings() const noexcept { return pings_; }
   /// `topic=payload` of every PUBLISH seen.
   [[nodiscard]] std::vector<std::string> published() const;
   /// Takes the next PUBLISH and acknowledges it; false where none comes within 20 s. Only with by_hand.
@@ -70,6 +72,7 @@ class TinyBroker {
   std::atomic<int> level_ = 0;  ///< Of the connection.
   std::size_t taken_ = 0;       ///< Likewise.
   std::atomic<int> unsubscribes_ = 0;
+  std::atomic<int> pings_ = 0;
   std::atomic<int> connected_ = 0;  ///< The socket of the connection.
   mutable std::mutex mutex_;
   std::vector<int> levels_;

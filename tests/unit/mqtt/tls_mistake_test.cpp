@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <openssl/crypto.h>
 #include <openssl/ssl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -142,6 +143,19 @@ TEST(TlsMistake, FilesThatAreMissingAreToldInTheSystemsWords) {
   EXPECT_EQ(tls_files_mistake({.cert = client.cert.string(), .key = none}).find("key_file " + said), 0U);
   EXPECT_EQ(tls_files_mistake({.cert = client.cert.string(), .key = client.key.string()}), "");
   std::filesystem::remove_all(name);
+}
+
+// In a process of its own, in which nobody used OpenSSL before.
+TEST(TlsAtTheEndDeathTest, NothingIsTakenFromThreadsThatShakeHandsStill) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        keep_tls_until_the_end();
+        const bool noted = OPENSSL_atexit([] { _exit(1); }) == 1;
+        (void)tls_files_mistake({});
+        std::exit(noted ? 0 : 2);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
