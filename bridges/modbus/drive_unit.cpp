@@ -193,10 +193,10 @@ WritePlan DriveUnit::plan_mask(const Request& request) const {
   const process::SignalId owner = table_.register_owner(request.write.address);
   const config::Signal* signal = owner == kNoSignal ? nullptr : &table_.drive().signals[owner];
   if (signal == nullptr || !config::writable(signal->access) || signal->modbus.count != 1) {
-    return Exception::illegal_address;
+    return {.fields = {}, .mistake = Exception::illegal_address};
   }
   const process::Mask mask{.and_mask = request.and_mask, .or_mask = request.or_mask};
-  return std::vector<process::FieldWrite>{{owner, mask}};
+  return {.fields = {{owner, mask}}};
 }
 
 WritePlan DriveUnit::plan(const Request& request, std::span<const std::uint8_t> bytes) const {
@@ -207,9 +207,7 @@ WritePlan DriveUnit::plan(const Request& request, std::span<const std::uint8_t> 
 }
 
 bool DriveUnit::is_stop(const Request& request) const {
-  const WritePlan planned = plan(request, request.values);
-  const auto* fields = std::get_if<std::vector<process::FieldWrite>>(&planned);
-  return fields != nullptr && drive().is_stop(*fields);
+  return drive().is_stop(plan(request, request.values).fields);
 }
 
 boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request request, process::Origin origin) {
@@ -218,12 +216,18 @@ boost::asio::awaitable<std::optional<Exception>> DriveUnit::write(Request reques
     co_return refused;
   }
   WritePlan planned = plan(request, request.values);
-  if (const auto* const refused = std::get_if<Exception>(&planned)) {
-    co_return note_refused(request, std::move(origin), mistake_of(*refused, request));
+  if (planned.mistake && !drive().is_stop(planned.fields)) {
+    co_return note_refused(request, std::move(origin), mistake_of(*planned.mistake, request));
   }
-  auto fields = std::get<std::vector<process::FieldWrite>>(std::move(planned));
-  const process::Outcome outcome = co_await drive().write(std::move(origin), std::move(fields));
-  co_return outcome.has_error() ? std::optional(exception_of(outcome.error())) : std::nullopt;
+  const process::Outcome outcome = co_await drive().write(std::move(origin), std::move(planned.fields));
+  if (outcome.has_error()) {
+    co_return exception_of(outcome.error());
+  }
+  if (planned.mistake) {
+    drive().remark("the stop was carried out, what stood beside it was not: " +
+                   mistake_of(*planned.mistake, request).detail);
+  }
+  co_return planned.mistake;
 }
 
 Exception DriveUnit::note_refused(const Request& request, process::Origin origin, canopen::Error why) {

@@ -24,7 +24,7 @@ bool takes_ignored_zero(const ProcessTable& table, Range range, std::uint16_t ad
 }  // namespace
 
 WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes) {
-  std::vector<process::FieldWrite> fields;
+  WritePlan plan;
   for (std::size_t done = 0; done < range.quantity;) {
     const auto address = static_cast<std::uint16_t>(range.address + done);
     if (takes_ignored_zero(table, range, address) && bytes[2 * done] == 0 && bytes[2 * done + 1] == 0) {
@@ -34,26 +34,29 @@ WritePlan plan_registers(const ProcessTable& table, Range range, std::span<const
     const process::SignalId owner = is_diagnostic(address) ? kNoSignal : table.register_owner(address);
     const config::Signal* const signal = writable_signal(table, owner);
     if (signal == nullptr || signal->modbus.address != address || done + signal->modbus.count > range.quantity) {
-      return Exception::illegal_address;
+      plan.mistake = Exception::illegal_address;
+      ++done;
+      continue;
     }
     const auto words = bytes.subspan(2 * done, std::size_t{2} * signal->modbus.count);
-    fields.push_back({.signal = owner, .value = value_of(*signal, words, table.word_order())});
+    plan.fields.push_back({.signal = owner, .value = value_of(*signal, words, table.word_order())});
     done += signal->modbus.count;
   }
-  return fields;
+  return plan;
 }
 
 WritePlan plan_bits(const ProcessTable& table, Range range, std::span<const std::uint8_t> bytes) {
-  std::vector<process::FieldWrite> fields;
+  WritePlan plan;
   for (std::size_t i = 0; i < range.quantity; ++i) {
     const process::SignalId owner = table.bit_owner(static_cast<std::uint16_t>(range.address + i));
     if (writable_signal(table, owner) == nullptr) {
-      return Exception::illegal_address;
+      plan.mistake = Exception::illegal_address;
+      continue;
     }
     const canopen::Raw bit = (canopen::Raw{bytes[i / 8]} >> (i % 8)) & 1U;
-    fields.push_back({.signal = owner, .value = bit});
+    plan.fields.push_back({.signal = owner, .value = bit});
   }
-  return fields;
+  return plan;
 }
 
 }  // namespace modbus

@@ -78,6 +78,17 @@ class PipelinedStop : public testing::Test {
   TcpClient other_{site_.port()};
 };
 
+TEST_F(PipelinedStop, LeavesWhateverStandsBesideIt) {
+  EXPECT_EQ(site_.ask(other_, kUnit, "10 0064 0003 06 0001 1388 0001"), "90 02");  // The drive has no 102.
+  EXPECT_TRUE(site_.puppet().rpdos.empty());
+  EXPECT_EQ(site_.ask(other_, kUnit, "10 0064 0003 06 0005 1388 0001"), "90 02");
+  ASSERT_EQ(site_.puppet().rpdos.size(), 1U);
+  EXPECT_EQ(site_.puppet().rpdos[0].data[0], 5U);
+  EXPECT_EQ(site_.ask(other_, kUnit, "17 0064 0001 0064 0003 06 0006 1388 0001"), "97 02");
+  ASSERT_EQ(site_.puppet().rpdos.size(), 2U);
+  EXPECT_EQ(site_.puppet().rpdos[1].data[0], 6U);
+}
+
 TEST_F(PipelinedStop, ARunBehindASlowWriteIsNotSentAfterTheStopOfAnotherConnection) {
   begin_slow_write({kRunRequest});
   site_.loop().advance(milliseconds(100), milliseconds(10));

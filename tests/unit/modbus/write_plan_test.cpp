@@ -49,15 +49,12 @@ class WritePlanTest : public testing::Test {
 
  private:
   static std::string text(const WritePlan& plan) {
-    if (const auto* const refused = std::get_if<Exception>(&plan)) {
-      return "exception " + std::to_string(static_cast<int>(*refused));
-    }
     std::string all;
-    for (const process::FieldWrite& field : std::get<std::vector<process::FieldWrite>>(plan)) {
+    for (const process::FieldWrite& field : plan.fields) {
       all += std::to_string(field.signal) + "=" +
              std::to_string(static_cast<std::int64_t>(std::get<Raw>(field.value))) + " ";
     }
-    return all;
+    return plan.mistake ? all + "exception " + std::to_string(static_cast<int>(*plan.mistake)) : all;
   }
 
   const config::Drive model_ = drive();
@@ -73,14 +70,14 @@ TEST_F(WritePlanTest, TakesOneOrManyWholeValues) {
 TEST_F(WritePlanTest, HalfOfAWideValueIsNoAddress) {
   EXPECT_EQ(registers({101, 1}, "0001"), "exception 2");
   EXPECT_EQ(registers({102, 1}, "0001"), "exception 2");
-  EXPECT_EQ(registers({100, 2}, "0001 0001"), "exception 2");
-  EXPECT_EQ(registers({102, 2}, "0001 0001"), "exception 2");
+  EXPECT_EQ(registers({100, 2}, "0001 0001"), "1=1 exception 2");
+  EXPECT_EQ(registers({102, 2}, "0001 0001"), "3=1 exception 2");
 }
 
-TEST_F(WritePlanTest, OneAddressThatTakesNoValueRefusesAll) {
+TEST_F(WritePlanTest, OneAddressThatTakesNoValueIsAMistake) {
   EXPECT_EQ(registers({99, 1}, "0001"), "exception 2");
-  EXPECT_EQ(registers({99, 2}, "0001 0001"), "exception 2");
-  EXPECT_EQ(registers({103, 2}, "0001 0001"), "exception 2");
+  EXPECT_EQ(registers({99, 2}, "0001 0001"), "1=1 exception 2");
+  EXPECT_EQ(registers({103, 2}, "0001 0001"), "3=1 exception 2");
   EXPECT_EQ(registers({104, 1}, "0001"), "exception 2");
   EXPECT_EQ(registers({500, 1}, "0001"), "exception 2");
   EXPECT_EQ(registers({1000, 1}, "0001"), "exception 2");
@@ -99,8 +96,7 @@ class SparsePlanTest : public testing::Test {
   }
   [[nodiscard]] std::size_t fields(Range range, const std::string& bytes) const {
     const WritePlan plan = modbus::plan_registers(table_, range, hex(bytes));
-    const auto* const made = std::get_if<std::vector<process::FieldWrite>>(&plan);
-    return made == nullptr ? 0 : made->size();
+    return plan.mistake ? 0 : plan.fields.size();
   }
 
  private:
@@ -126,8 +122,8 @@ TEST_F(WritePlanTest, AValueBeyondTheTypeIsNotCut) {
 TEST_F(WritePlanTest, BitsComeLowestFirst) {
   EXPECT_EQ(bits({8, 1}, "01"), "4=1 ");
   EXPECT_EQ(bits({8, 2}, "02"), "4=0 5=1 ");
-  EXPECT_EQ(bits({8, 3}, "07"), "exception 2");
-  EXPECT_EQ(bits({7, 2}, "03"), "exception 2");
+  EXPECT_EQ(bits({8, 3}, "07"), "4=1 5=1 exception 2");
+  EXPECT_EQ(bits({7, 2}, "03"), "4=1 exception 2");
   EXPECT_EQ(bits({200, 1}, "01"), "exception 2");
 }
 
