@@ -28,6 +28,8 @@ namespace {
 
 constexpr unsigned kDrives = 126;
 constexpr std::uint8_t kOperational = 5;
+/// What the recorder may add to the way of a frame.
+constexpr double kMostOfRecorder = 1.05;
 
 /// What this thread has used.
 double processor_seconds() {
@@ -256,6 +258,9 @@ void recorder() {
   }
   fmt::print("frames to image, recorder: without {:.0f} ns a frame, with it {:.0f} ns, ratio {:.3f}; {} kB of frames\n",
              median(costs_without), median(costs), median(ratios), ring.memory() / 1000);
+  if (median(ratios) > kMostOfRecorder) {
+    throw std::runtime_error(fmt::format("the recorder costs too much: {:.3f} > {}", median(ratios), kMostOfRecorder));
+  }
 }
 
 }  // namespace bench
