@@ -40,7 +40,7 @@ printf '[http]\nlisten = "127.0.0.1:%s"\n[recorder]\n' "$port" >>"$work/gateway.
 start_broker
 start_gateway
 start_four_drives
-for drive in fan1 pump1 hoist1 mixer1; do wait_until 20 "$drive online" is_retained "$drive/status" online; done
+for drive in fan1 pump1 hoist1 mixer1; do wait_until 45 "$drive online" is_retained "$drive/status" online; done
 served_at=$SECONDS
 
 say "a set-point, then pump1 trips"
@@ -48,7 +48,7 @@ expect "hoist1: a set-point" written "$(write_registers 7 101 3000)"
 while [ $((SECONDS - served_at)) -lt 10 ]; do sleep 0.2; done  # what is before a fault
 expect "and another" written "$(write_registers 7 101 3100)"
 order 5 fault 4
-wait_until 15 "the record is there" recorded 1
+wait_until 45 "the record is there" recorded 1
 first=$(record_of 0)
 expect_match "its name" '^[0-9]{8}T[0-9]{6}\.[0-9]{3}Z-pump1-emcy\.log$' "$first"
 expect_whole "$first"
@@ -61,7 +61,7 @@ dd if=/dev/zero of="$state/filler" bs=4k 2>/dev/null
 expect "no room" 0 "$(df --output=avail "$state" | tail -n 1 | tr -d ' ')"
 frames_before=$(received)
 order 3 fault 4
-wait_until 15 "it is told" is_logged 'recorder: .*records are not kept meanwhile'
+wait_until 45 "it is told" is_logged 'recorder: .*records are not kept meanwhile'
 expect_match "with the reason" 'recorder: .*(No space left on device|no room|full).*; records are not kept meanwhile' \
   "$(grep 'records are not kept' "$work/gateway.err")"
 told_at=$SECONDS
@@ -82,8 +82,8 @@ expect "the first one is as it was" "$(jq .frames "$records/${first%.log}.json")
 
 say "there is room again"
 rm "$state/filler"
-wait_until 20 "the record that waited is there" recorded 2
-wait_until 5 "that is told" is_logged 'recorder: records are kept again'
+wait_until 45 "the record that waited is there" recorded 2
+wait_until 30 "that is told" is_logged 'recorder: records are kept again'
 expect "so is the monitor" "1 0" "$(metric works) $(metric records_lost_total)"
 second=$(record_of 1)
 expect_match "its name" 'Z-fan1-emcy\.log$' "$second"
