@@ -28,6 +28,8 @@ namespace {
 
 constexpr unsigned kDrives = 126;
 constexpr std::uint8_t kOperational = 5;
+/// What the recorder may add to the way of a frame.
+constexpr double kMostOfRecorder = 1.05;
 
 /// What this thread has used.
 double processor_seconds() {
@@ -127,6 +129,7 @@ config::Model model_of(unsigned buses) {
 class FullBuses {
  public:
   explicit FullBuses(unsigned buses) : model_(model_of(buses)) {
+    const double begin = processor_seconds();
     std::vector<process::Plant::BusPort> ports;
     for (unsigned i = 0; i < buses; ++i) {
       auto link = std::make_unique<FedLink>();
@@ -146,6 +149,7 @@ class FullBuses {
       }
       static_cast<void>(turn(0));
     }
+    start_up_ = processor_seconds() - begin;
   }
   ~FullBuses() {
     bool stopped = false;
@@ -165,6 +169,8 @@ class FullBuses {
   FullBuses(const FullBuses&) = delete;
   FullBuses& operator=(const FullBuses&) = delete;
 
+  /// Seconds of the processor until all drives were online, what the drives sent meanwhile included.
+  [[nodiscard]] double start_up() const noexcept { return start_up_; }
   [[nodiscard]] canopen::Bus& bus(std::size_t index) { return *buses_[index]; }
   std::size_t turn(unsigned tpdos) {
     std::size_t frames = 0;
@@ -205,6 +211,7 @@ class FullBuses {
   std::vector<std::unique_ptr<canopen::Bus>> buses_;
   std::unique_ptr<process::Plant> plant_;
   std::vector<std::unique_ptr<canopen::BusSurvey>> surveys_;
+  double start_up_ = 0;
 };
 
 }  // namespace
@@ -223,6 +230,8 @@ void buses() {
     }
     fmt::print("frames to image, {} buses of {} drives: 1 bus {:.0f} ns a frame, {} buses {:.0f} ns, ratio {:.2f}\n",
                count, kDrives, median(costs_of_one), count, median(costs), median(ratios));
+    fmt::print("start-up, {} buses of {} drives: 1 bus {:.0f} us a drive, {} buses {:.0f} us\n", count, kDrives,
+               one.start_up() * 1e6 / kDrives, count, several.start_up() * 1e6 / (kDrives * count));
   }
 }
 
@@ -256,6 +265,9 @@ void recorder() {
   }
   fmt::print("frames to image, recorder: without {:.0f} ns a frame, with it {:.0f} ns, ratio {:.3f}; {} kB of frames\n",
              median(costs_without), median(costs), median(ratios), ring.memory() / 1000);
+  if (median(ratios) > kMostOfRecorder) {
+    throw std::runtime_error(fmt::format("the recorder costs too much: {:.3f} > {}", median(ratios), kMostOfRecorder));
+  }
 }
 
 }  // namespace bench

@@ -61,7 +61,7 @@ test('the line of a drive says why it does not run', () => {
   assert.equal(notes({ online: false, alarms: [alarm({ code: '0x0000', reason: 'lost', text: 'no heartbeat for 1500 ms' })] }),
     'lost: no heartbeat for 1500 ms');
   assert.equal(notes({ ...still, commanded: { control_command: 'forward' }, alarms: [alarm(), alarm({ severity: 'warning' })] }),
-    '0x0005: Overcurrent, 1 warning, commanded: forward');
+    '0x0005: Overcurrent, 1 warning');
   assert.equal(notes({ fresh: false, control: { holder: 'modbus 192.0.2.7', timeout: true } }),
     'values missing, command timeout, held by modbus 192.0.2.7');
 });

@@ -78,15 +78,15 @@ export function driveState(drive) {
 /** In its line: why it does not run, and what else one should know of it. */
 export function notesOf(drive) {
   const notes = drive.alarms.filter((alarm) => alarm.severity === 'fault').slice(0, 1).map(alarmText);
+  if (notes.length === 0 && drive.online && drive.values.running === false) {
+    notes.push(`commanded: ${drive.commanded.control_command ?? 'nothing'}`);
+  }
   const warnings = drive.alarms.filter((alarm) => alarm.severity === 'warning').length;
   if (warnings > 0) {
     notes.push(warnings === 1 ? '1 warning' : `${warnings} warnings`);
   }
   if (drive.online && !drive.fresh) {
     notes.push('values missing');
-  }
-  if (drive.online && drive.values.running === false) {
-    notes.push(`commanded: ${drive.commanded.control_command ?? 'nothing'}`);
   }
   if (drive.control.timeout) {
     notes.push('command timeout');

@@ -64,6 +64,15 @@ TEST_F(HttpStream, AReaderOfAStreamThatTakesNothingIsDisconnected) {
   EXPECT_EQ(server_->figures().clients, 0U);
 }
 
+TEST_F(HttpStream, TheSystemKeepsLittleOfWhatAReaderDoesNotTake) {
+  start();
+  RawClient& slow = connect("127.0.0.1", RawClient::Buffers::small);
+  events_ = std::string(512UL * 1024, 'x');
+  slow.get("/live");
+  loop_.advance(22s, 100ms);
+  EXPECT_EQ(server_->figures().clients, 0U) << "all of it found room somewhere";
+}
+
 TEST_F(HttpStream, EndsWithReadersOfAStream) {
   start();
   connect().get("/live");
