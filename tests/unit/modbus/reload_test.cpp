@@ -25,8 +25,8 @@ constexpr std::uint8_t kGateway = 0;
 constexpr const char* kConfigured = "03 0001 0001";
 constexpr const char* kValue = "03 0002 0001";  ///< The output frequency.
 constexpr const char* kNmtRegister = "03 03fc 0001";
-constexpr const char* kSlowWrite = "06 012c 0001";
-constexpr const char* kStopRequest = "06 0064 0005";
+constexpr const char* kReloadSlowWrite = "06 012c 0001";
+constexpr const char* kReloadStop = "06 0064 0005";
 constexpr const char* kUnknownUnit = "83 0a";
 
 config::Model pump_alone() {
@@ -125,7 +125,7 @@ TEST_F(Reload, TheFlatUnitFollows) {
 TEST_F(Reload, AWriteUnderWayOfADriveThatGoesIsAnswered) {
   begin();
   site_.puppet().mute = true;
-  send(kUnit, kSlowWrite);
+  send(kUnit, kReloadSlowWrite);
   config::Model model = pump_alone();
   model.drives = {fan()};
   change(model);
@@ -136,12 +136,12 @@ TEST_F(Reload, AWriteUnderWayOfADriveThatGoesIsAnswered) {
 TEST_F(Reload, AWriteUnderWayOfADriveThatStaysIsConfirmed) {
   begin();
   site_.puppet().mute = true;
-  send(kUnit, kSlowWrite);
+  send(kUnit, kReloadSlowWrite);
   site_.puppet().mute = false;
   change(fan_and_pump());
   site_.run(seconds(3));
   EXPECT_EQ(site_.answer(site_.client()), "86 0b") << "what the drive did not hear";
-  EXPECT_EQ(ask(kUnit, kSlowWrite), kSlowWrite);
+  EXPECT_EQ(ask(kUnit, kReloadSlowWrite), kReloadSlowWrite);
 }
 
 TEST_F(Reload, AnNmtCommandUnderWayIsShownWhereItsDriveIs) {
@@ -159,7 +159,7 @@ TEST_F(Reload, WhatCameBeforeAUnitWasAnotherDrivesIsNotCarriedOutThere) {
   config::Model changed = pump_alone();
   changed.drives[0].name = "pump2";
   site_.puppet().mute = true;
-  send(kUnit, kSlowWrite);
+  send(kUnit, kReloadSlowWrite);
   send(kUnit, "06 012c 0003");
   change(changed);
   site_.puppet().mute = false;
@@ -174,8 +174,8 @@ TEST_F(Reload, WhatCameBeforeAUnitWasAnotherDrivesIsNotCarriedOutThere) {
 TEST_F(Reload, AfterAStopThatOvertookWhatWentTheConnectionServesOn) {
   begin();
   site_.puppet().mute = true;
-  auto requests = frame(kUnit, kSlowWrite);
-  const auto stop = frame(kUnit, kStopRequest);
+  auto requests = frame(kUnit, kReloadSlowWrite);
+  const auto stop = frame(kUnit, kReloadStop);
   requests.insert(requests.end(), stop.begin(), stop.end());
   ASSERT_EQ(site_.client().send(requests), requests.size());
   site_.settle();
@@ -187,7 +187,7 @@ TEST_F(Reload, AfterAStopThatOvertookWhatWentTheConnectionServesOn) {
   change(pump_alone());
   site_.puppet().mute = false;
   site_.bring_up();
-  EXPECT_EQ(ask(kUnit, kSlowWrite), kSlowWrite) << "older than no stop";
+  EXPECT_EQ(ask(kUnit, kReloadSlowWrite), kReloadSlowWrite) << "older than no stop";
 }
 
 TEST_F(Reload, TheFirstFaultIsStillThatOfItsDrive) {

@@ -17,7 +17,7 @@ using home_assistant::Discovery;
 using test::contains;
 using test::PlantSite;
 
-constexpr const char* kPump = "homeassistant/device/canopen_line3/pump1/config";
+constexpr const char* kReloadPump = "homeassistant/device/canopen_line3/pump1/config";
 constexpr const char* kFan = "homeassistant/device/canopen_line3/fan1/config";
 
 config::Model pump_in_home_assistant() {
@@ -52,7 +52,7 @@ TEST(HomeAssistantReload, ADriveThatComesIsToldOfAndNoOther) {
   ASSERT_EQ(site.broker().on(kFan).size(), 1U);
   EXPECT_TRUE(contains(site.broker().on(kFan)[0], R"("name":"line3 fan1")")) << site.broker().on(kFan)[0];
   site.run(Discovery::kLeast);
-  EXPECT_TRUE(site.broker().on(kPump).empty());
+  EXPECT_TRUE(site.broker().on(kReloadPump).empty());
 }
 
 TEST(HomeAssistantReload, ADriveThatGoesIsRemoved) {
@@ -61,7 +61,7 @@ TEST(HomeAssistantReload, ADriveThatGoesIsRemoved) {
   site.change(pump_in_home_assistant());
   site.run(Discovery::kLeast);
   EXPECT_EQ(site.broker().on(kFan), std::vector<std::string>{""});
-  EXPECT_TRUE(site.broker().on(kPump).empty());
+  EXPECT_TRUE(site.broker().on(kReloadPump).empty());
   site.change(with_fan());
   site.run(Discovery::kLeast);
   EXPECT_TRUE(contains(site.broker().newest(kFan).payload, R"("name":"line3 fan1")"));
@@ -74,8 +74,8 @@ TEST(HomeAssistantReload, ASignalThatGoesIsRemovedFromItsDevice) {
   changed.drives[0].signals.pop_back();
   site.change(changed);
   site.run(Discovery::kPause + 100ms);
-  ASSERT_EQ(site.broker().on(kPump).size(), 1U);
-  const std::string message = site.broker().on(kPump)[0];
+  ASSERT_EQ(site.broker().on(kReloadPump).size(), 1U);
+  const std::string message = site.broker().on(kReloadPump)[0];
   EXPECT_TRUE(contains(message, R"("binary_sensor_brake":{"platform":"binary_sensor"})")) << message;
   EXPECT_TRUE(contains(message, R"("sensor_output_frequency":{"platform":"sensor","unique_id")")) << message;
 }
@@ -88,7 +88,7 @@ TEST(HomeAssistantReload, StartsOfHomeAssistantAreHeardForTheDrivesThatAreThere)
   site.broker().forget();
   site.receive({.topic = "homeassistant/status", .payload = "online"});
   site.run(Discovery::kLeast);
-  EXPECT_EQ(site.broker().on(kPump).size(), 1U);
+  EXPECT_EQ(site.broker().on(kReloadPump).size(), 1U);
   EXPECT_TRUE(site.broker().on(kFan).empty());
 }
 

@@ -26,7 +26,7 @@ namespace {
 using test::output_of;
 
 constexpr const char* kFanConfig = "homeassistant/device/canopen_line3/fan1/config";
-constexpr const char* kPumpConfig = "homeassistant/device/canopen_line3/pump1/config";
+constexpr const char* kKeptPumpConfig = "homeassistant/device/canopen_line3/pump1/config";
 
 /// Out of service, so that nothing is told of them that did not change.
 config::Model model_with(const std::vector<std::string>& names) {
@@ -77,7 +77,7 @@ class ReloadOnMosquitto : public test::OnMosquitto {
     bus_.start();
     plant_.start();
     ASSERT_TRUE(run_until([this] { return bridge_.connected(); }));
-    ASSERT_TRUE(run_until([this] { return retained(kFanConfig).size() > 3 && retained(kPumpConfig).size() > 3; }));
+    ASSERT_TRUE(run_until([this] { return retained(kFanConfig).size() > 3 && retained(kKeptPumpConfig).size() > 3; }));
   }
   void TearDown() override {
     const auto ended =
@@ -122,7 +122,7 @@ TEST_F(ReloadOnMosquitto, OfADriveThatGoesNothingIsKeptAndOfAnotherNothingIsHear
   ASSERT_TRUE(run_until([&] { return subscriber.has_heard("0 canopen/end=1"); }));
   const std::string heard = subscriber.heard();
   EXPECT_EQ(heard.find("\n0 canopen/line3/pump1/"), std::string::npos) << heard;
-  EXPECT_EQ(heard.find(std::string("\n0 ") + kPumpConfig), std::string::npos) << heard;
+  EXPECT_EQ(heard.find(std::string("\n0 ") + kKeptPumpConfig), std::string::npos) << heard;
   EXPECT_EQ(heard.find("\n0 canopen/line3/status="), std::string::npos) << heard;
   EXPECT_NE(heard.find("\n0 canopen/line3/info="), std::string::npos) << heard;
   const Subscriber later(at(), (broker_.directory() / "later").string());
@@ -130,7 +130,7 @@ TEST_F(ReloadOnMosquitto, OfADriveThatGoesNothingIsKeptAndOfAnotherNothingIsHear
   publish_with("-t canopen/end -m 2");  // All that is kept comes before it.
   ASSERT_TRUE(run_until([&] { return later.has_heard("0 canopen/end=2"); }));
   EXPECT_EQ(later.heard().find("fan1"), std::string::npos) << later.heard();
-  EXPECT_NE(later.heard().find(std::string("\n1 ") + kPumpConfig + "={"), std::string::npos) << later.heard();
+  EXPECT_NE(later.heard().find(std::string("\n1 ") + kKeptPumpConfig + "={"), std::string::npos) << later.heard();
 }
 
 }  // namespace

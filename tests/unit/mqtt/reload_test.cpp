@@ -19,14 +19,14 @@ using namespace std::chrono_literals;
 using test::contains;
 using test::PlantSite;
 
-constexpr canopen::ObjectAddress kControlWord{0x2000, 1};
-const std::string kRoot = "canopen/line3/";
+constexpr canopen::ObjectAddress kReloadControl{0x2000, 1};
+const std::string kReloadRoot = "canopen/line3/";
 const std::string kStopWord = "5";
 
 /// `pump1`, which may be stopped by a word.
 config::Model pump_alone() {
   config::Model model = PlantSite::bridge_model();
-  model.drives[0].node.motor.control = kControlWord;
+  model.drives[0].node.motor.control = kReloadControl;
   model.drives[0].node.motor.stops = {{.mask = 0xFFFF, .equals = 5}};
   return model;
 }
@@ -62,7 +62,7 @@ config::Model pump_without_brake() {
 }
 
 Incoming stop_of(const std::string& drive) {
-  return {.topic = kRoot + drive + "/control_command/set", .payload = kStopWord};
+  return {.topic = kReloadRoot + drive + "/control_command/set", .payload = kStopWord};
 }
 
 class Reload : public testing::Test {
@@ -77,7 +77,7 @@ class Reload : public testing::Test {
   static std::vector<std::string> told_below(PlantSite& site, const std::string& parent) {
     std::vector<std::string> told;
     for (const Message& message : site.broker().published) {
-      if (message.topic.starts_with(kRoot + parent)) {
+      if (message.topic.starts_with(kReloadRoot + parent)) {
         told.push_back(message.topic + "=" + message.payload);
       }
     }
@@ -87,7 +87,7 @@ class Reload : public testing::Test {
   static std::vector<std::string> kept_below(PlantSite& site, const std::string& parent) {
     std::vector<std::string> kept;
     for (const auto& [topic, payload] : site.broker().retained) {
-      if (topic.starts_with(kRoot + parent) && !payload.empty()) {
+      if (topic.starts_with(kReloadRoot + parent) && !payload.empty()) {
         kept.push_back(topic);
       }
     }
@@ -109,10 +109,10 @@ TEST_F(Reload, ADriveThatComesIsToldAsAtAConnectionAndNothingElseIs) {
   EXPECT_EQ(site.retained("fan1/status"), "offline");
   EXPECT_TRUE(contains(site.retained("fan1/state"), R"("online":false)")) << site.retained("fan1/state");
   EXPECT_TRUE(contains(site.retained("fan1/control"), R"("holder":null)")) << site.retained("fan1/control");
-  EXPECT_EQ(site.broker().on(kRoot + "fan1/output_frequency"), std::vector<std::string>{""});
-  EXPECT_EQ(site.broker().on(kRoot + "info").size(), 1U);
+  EXPECT_EQ(site.broker().on(kReloadRoot + "fan1/output_frequency"), std::vector<std::string>{""});
+  EXPECT_EQ(site.broker().on(kReloadRoot + "info").size(), 1U);
   EXPECT_TRUE(contains(site.retained("info"), R"("name":"fan1")")) << site.retained("info");
-  EXPECT_EQ(site.broker().on(kRoot + "status"), Nothing()) << "`B/status` says nothing new";
+  EXPECT_EQ(site.broker().on(kReloadRoot + "status"), Nothing()) << "`B/status` says nothing new";
   EXPECT_EQ(site.broker().subscribed.size(), subscriptions);
   EXPECT_EQ(site.broker().opened, 1U) << "the same connection";
 }
@@ -122,13 +122,13 @@ TEST_F(Reload, ADriveThatStaysKeepsItsPace) {
   begin(site);
   site.send_values(0, 1000, 3);
   site.run(50ms);
-  EXPECT_EQ(site.broker().on(kRoot + "pump1/output_frequency"), std::vector<std::string>{"10.00"});
+  EXPECT_EQ(site.broker().on(kReloadRoot + "pump1/output_frequency"), std::vector<std::string>{"10.00"});
   site.change(pump_and_fan());
   site.send_values(0, 1100, 3);
   site.run(100ms);
-  EXPECT_EQ(site.broker().on(kRoot + "pump1/output_frequency").size(), 1U) << "not before `min_interval`";
+  EXPECT_EQ(site.broker().on(kReloadRoot + "pump1/output_frequency").size(), 1U) << "not before `min_interval`";
   site.run(200ms);
-  EXPECT_EQ(site.broker().on(kRoot + "pump1/output_frequency"), (std::vector<std::string>{"10.00", "11.00"}));
+  EXPECT_EQ(site.broker().on(kReloadRoot + "pump1/output_frequency"), (std::vector<std::string>{"10.00", "11.00"}));
 }
 
 TEST_F(Reload, OfADriveThatGoesNothingIsLeft) {
@@ -138,7 +138,7 @@ TEST_F(Reload, OfADriveThatGoesNothingIsLeft) {
   site.change(pump_alone());
   site.run(1s);
   EXPECT_EQ(kept_below(site, "fan1/"), Nothing());
-  EXPECT_EQ(site.broker().on(kRoot + "fan1/status"), (std::vector<std::string>{"offline", ""}));
+  EXPECT_EQ(site.broker().on(kReloadRoot + "fan1/status"), (std::vector<std::string>{"offline", ""}));
   EXPECT_EQ(told_below(site, "pump1/"), Nothing());
   EXPECT_FALSE(contains(site.retained("info"), "fan1")) << site.retained("info");
   EXPECT_FALSE(contains(site.retained("alarms"), "fan1")) << site.retained("alarms");
@@ -191,7 +191,7 @@ TEST_F(Reload, AnotherConfigurationUnderTheSameNameEmptiesWhatIsGoneAndLeavesIts
   EXPECT_EQ(site.retained("pump1/brake"), "");
   EXPECT_FALSE(contains(site.retained("pump1/state"), "brake")) << site.retained("pump1/state");
   EXPECT_TRUE(contains(site.retained("alarms"), R"("kind":"emcy")")) << site.retained("alarms");
-  for (const std::string& told : site.broker().on(kRoot + "pump1/alarm/emcy")) {
+  for (const std::string& told : site.broker().on(kReloadRoot + "pump1/alarm/emcy")) {
     EXPECT_TRUE(contains(told, R"("active":true)")) << told;
   }
   site.run(5s);
@@ -207,7 +207,7 @@ TEST_F(Reload, WhatIsUnderWayAtADriveThatStaysIsAnsweredOnce) {
   EXPECT_EQ(site.last_answer(), "none");
   site.change(pump_and_fan());
   site.run_silent(3s);
-  ASSERT_EQ(site.broker().on(kRoot + "result").size(), 1U);
+  ASSERT_EQ(site.broker().on(kReloadRoot + "result").size(), 1U);
   EXPECT_TRUE(contains(site.last_answer(), R"("code":"timeout")")) << site.last_answer();
   site.command("pump1/mode/set", R"({"value":"torque","id":"a"})");
   EXPECT_TRUE(contains(site.last_answer(), R"("code":"duplicate")")) << "it is remembered: " << site.last_answer();
@@ -222,12 +222,12 @@ TEST_F(Reload, WhatIsUnderWayAtADriveThatGoesIsAnsweredOffline) {
   site.command("pump1/sdo/request", R"({"op":"read","object":"0x2002:03","type":"u16","id":"r"})");
   site.change(fan_alone());
   site.run_silent(3s);
-  const std::vector<std::string> answers = site.broker().on(kRoot + "result");
+  const std::vector<std::string> answers = site.broker().on(kReloadRoot + "result");
   ASSERT_EQ(answers.size(), 2U);
   for (const std::string& answer : answers) {
     EXPECT_TRUE(contains(answer, R"("code":"offline")")) << answer;
   }
-  EXPECT_EQ(site.broker().on(kRoot + "pump1/sdo/response").size(), 1U);
+  EXPECT_EQ(site.broker().on(kReloadRoot + "pump1/sdo/response").size(), 1U);
 }
 
 TEST_F(Reload, AStopForAllAcrossAChangeNamesTheDrivesThatItMissed) {
@@ -239,7 +239,7 @@ TEST_F(Reload, AStopForAllAcrossAChangeNamesTheDrivesThatItMissed) {
   others.drives.insert(others.drives.begin(), absent("blower", 7));
   site.change(others);
   site.run_silent(3s);
-  ASSERT_EQ(site.broker().on(kRoot + "result").size(), 1U);
+  ASSERT_EQ(site.broker().on(kReloadRoot + "result").size(), 1U);
   EXPECT_TRUE(contains(site.last_answer(), "pump1 (")) << site.last_answer();
   EXPECT_TRUE(contains(site.last_answer(), "fan1 (")) << site.last_answer();
   EXPECT_FALSE(contains(site.last_answer(), "blower")) << site.last_answer();
@@ -303,7 +303,7 @@ TEST_F(Reload, WhatWasEmptiedJustBeforeTheConnectionBrokeIsEmptiedAgain) {
   site.broker().forget();
   site.connect(2);
   site.run(61s);
-  EXPECT_EQ(site.broker().on(kRoot + "fan1/status"), std::vector<std::string>{""});
+  EXPECT_EQ(site.broker().on(kReloadRoot + "fan1/status"), std::vector<std::string>{""});
   site.broker().events->on_disconnected("gone");
   site.broker().forget();
   site.connect(3);
@@ -340,14 +340,14 @@ TEST_F(Reload, EachBrokerForgetsWhatWentMeanwhile) {
   site.broker().events->on_disconnected("gone");
   site.broker().forget();
   connect_to(3, "10.0.0.1:1883");
-  EXPECT_EQ(site.broker().on(kRoot + "fan1/status"), std::vector<std::string>{""});
+  EXPECT_EQ(site.broker().on(kReloadRoot + "fan1/status"), std::vector<std::string>{""});
 }
 
 TEST_F(Reload, WhereAnotherGatewayOfOurNameLivesNothingIsEmptied) {
   PlantSite site(pump_and_fan());
   begin(site);
-  site.receive(
-      {.topic = kRoot + "health", .payload = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})"});
+  site.receive({.topic = kReloadRoot + "health",
+                .payload = R"({"ts":"2026-01-02T03:04:05.678Z","instance":"ffff222233334444"})"});
   site.change(pump_alone());
   site.run(1s);
   EXPECT_EQ(site.retained("fan1/status"), "offline");
