@@ -23,8 +23,8 @@ using boost::system::error_code;
 namespace {
 
 constexpr canopen::Duration kHousekeeping = std::chrono::seconds(1);
-// What the system keeps for a client that does not take it (it doubles this). By itself it keeps up to 4 MB of each, and
-// as long as that has room the slowest of them is served like the fastest.
+// What the system keeps for a client that does not take it (it doubles this). By itself it keeps up to 4 MB of each,
+// and as long as that has room the slowest of them is served like the fastest.
 constexpr int kSendBuffer = 64 * 1024;
 
 }  // namespace

@@ -19,6 +19,12 @@ flood() {
   modbus_end "beside $rate/s of $1"
   took=$((SECONDS - begun + 1))
 }
+# Twice the time at most, by the clock or beside the bare server: what else the machine does is seen in one of them.
+as_beside_frames() {
+  local by_clock=$((100 * p99 / p99_before)) by_bare=$((100 * percent / percent_before))
+  say "99 % of the reads: $by_clock % of before, beside a bare server $by_bare %"
+  expect_at_most "99 % of the reads, in percent of before" 200 $((by_clock < by_bare ? by_clock : by_bare))
+}
 
 # The long time: a busy machine loses no drive.
 sed -e '/^node = /a heartbeat_timeout = "15s"' -e "/^\[gateway\]/a state_dir = \"$work/state\"\ncontrol = \"$socket\"" "$root/tests/system/gateway.toml" \
@@ -33,7 +39,7 @@ hoist_sets() { expect "hoist1 takes a set-point, $1" written "$(write_registers 
 
 say "so many frames"
 flood data
-before=$percent
+p99_before=$p99 percent_before=$percent
 hoist_sets "beside frames" 3000
 expect "no error yet" 0 "$(bus .error_frames.most)"
 
@@ -44,7 +50,7 @@ meanwhile=$!
 flood errors
 wait "$meanwhile"
 expect "hoist1 took a set-point in it" written "$(cat "$work/meanwhile")"
-expect_at_most "99 % of the reads beside errors, in percent of a bare server's" $((2 * before)) "$percent"
+as_beside_frames
 expect_at_most "the slowest read, in µs" 500000 "$slowest"
 expect "all drives are served" 4 "$(api /health | jq .drives_online)"
 expect "no frame is lost" 0 "$(api /api/gateway | jq '.buses[0].frames_lost')"
@@ -61,7 +67,7 @@ expect "every error stands in the record" "$count $count" \
 say "and a controller that goes to and fro"
 quiet=$(lines)
 flood states
-expect_at_most "99 % of the reads, in percent of a bare server's" $((2 * before)) "$percent"
+as_beside_frames
 expect "all drives are served" 4 "$(api /health | jq .drives_online)"
 expect_match "the bus' alarm was told" 'bus can0: .*error-passive' "$(tail -n +"$((quiet + 1))" "$work/gateway.err")"
 # At most two lines a second of the bus, and three of the suspicion.

@@ -272,8 +272,8 @@ ask() {
 modbus_begin() {
   launch modbus "$(dirname "$gateway_bin")/../tests/system/modbus_latency" "$modbus_port" 5
 }
-modbus_end() { # modbus_end WHAT: $percent and $slowest, see modbus_latency.cpp
-  local count p99 bare
+modbus_end() { # modbus_end WHAT: $p99, $percent and $slowest, see modbus_latency.cpp
+  local count bare
   kill "${started[modbus]}"
   wait "${started[modbus]}" || fail "Modbus did not answer"
   read -r count p99 bare percent slowest <"$work/modbus.out"
