@@ -166,6 +166,14 @@ systemctl start canopen-gateway || fail "start"
 wait_until 20 "Modbus is back" register_is 0 2 2
 say "a wrong configuration and a stop stay what they are, clients or not"
 
+# ---- Restarted again and again: the socket does not give up.
+for ((i = 0; i < 7; ++i)); do
+  systemctl restart canopen-gateway || fail "restart $i"
+done
+expect "the socket after seven restarts" active "$(property ActiveState canopen-gateway.socket)"
+wait_until 20 "Modbus is back" register_is 0 2 2
+say "seven restarts in a row, and port 502 answers"
+
 # ---- Removed and purged.
 dpkg -r canopen-gateway >/dev/null 2>&1 || fail "remove"
 expect "after the removal" "inactive" "$(property ActiveState)"
@@ -173,6 +181,7 @@ expect "after the removal" "inactive" "$(property ActiveState)"
 [ -e /etc/canopen-gateway/gateway.toml ] && [ -d /var/lib/canopen-gateway/journal ] || fail "configuration and state are kept"
 dpkg -P canopen-gateway >/dev/null 2>&1 || fail "purge"
 [ ! -e /var/lib/canopen-gateway ] || fail "the state is gone"
+[ ! -e /etc/needrestart/conf.d/canopen-gateway.conf ] || fail "the package's own file in /etc is gone"
 [ -e /etc/canopen-gateway/gateway.toml ] || fail "the site's configuration is the site's"
 left=$(find /etc/systemd /var/lib/systemd /lib/systemd /usr/lib /usr/share -name '*canopen*' 2>/dev/null)
 expect "left behind" "" "$left"
