@@ -1,7 +1,6 @@
 #include "daemon/doctor/service_user.h"
 
 #include <grp.h>
-#include <pwd.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <pwd.h>
+
 #include <functional>
 #include <optional>
-
-struct passwd;
 
 namespace gateway::doctor {
 
