@@ -4,13 +4,14 @@ install(DIRECTORY config/profiles/ DESTINATION ${CMAKE_INSTALL_DATADIR}/canopen-
   FILES_MATCHING PATTERN "*.toml")
 install(FILES config/gateway.example.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/canopen-gateway
   RENAME gateway.toml.example)
+install(FILES config/four-drives.example.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/canopen-gateway
+  RENAME gateway.toml.four-drives)
 # In the folders of the project: README.md names them so.
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES config/gateway.example.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
 install(FILES systemd/80-can.network systemd/can0.interfaces systemd/can@.service systemd/privileged-port.conf
   systemd/secrets.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/systemd)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING
-  PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
+  PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.yml" PATTERN "*.json")
 if(GATEWAY_MANUAL_DIR)
   install(FILES "${GATEWAY_MANUAL_DIR}/canopen-gateway.1" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   install(FILES "${GATEWAY_MANUAL_DIR}/gateway.toml.5" DESTINATION ${CMAKE_INSTALL_MANDIR}/man5)
@@ -28,4 +29,4 @@ foreach(kind service socket)
 endforeach()
 install(FILES systemd/canopen-gateway.sysusers DESTINATION lib/sysusers.d RENAME canopen-gateway.conf)
 install(FILES systemd/canopen-gateway.tmpfiles DESTINATION lib/tmpfiles.d RENAME canopen-gateway.conf)
-install(FILES systemd/60-canopen-gateway.sysctl.conf DESTINATION lib/sysctl.d RENAME 60-canopen-gateway.conf)
+install(FILES systemd/10-canopen-gateway.sysctl.conf DESTINATION lib/sysctl.d RENAME 10-canopen-gateway.conf)

@@ -41,7 +41,8 @@ Connections::Connections(const boost::asio::any_io_executor& executor, const con
       log_("Modbus", std::move(notices)),
       owner_{.take = [this](tcp::socket socket, bool last) { take(std::move(socket), last); },
              .spawn = [this](awaitable<void> work) { tasks_.spawn(std::move(work)); },
-             .log = log_},
+             .log = log_,
+             .may_be_passed = true},
       housekeeping_(executor) {
   for (const config::Endpoint& entry : settings.listen) {
     listeners_.emplace_back(executor, entry, owner_);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "bridges/net/look_up.h"
+#include "bridges/net/privileged_port.h"
 
 namespace net {
 
@@ -24,25 +25,18 @@ using boost::system::error_code;
 
 namespace {
 
-constexpr unsigned kFirstOrdinaryPort = 1024;
 constexpr canopen::Duration kFirstRetry = std::chrono::seconds(1);
 constexpr canopen::Duration kLastRetry = std::chrono::seconds(30);
 
 // After a failed accept, so that the loop does not spin on it. Who connects waits meanwhile in the system's queue.
 constexpr canopen::Duration kAcceptPause = std::chrono::milliseconds(100);
 
-std::string text_of(const config::Endpoint& entry) {
-  const bool is_v6 = entry.host.find(':') != std::string::npos;
-  return (is_v6 ? "[" + entry.host + "]" : entry.host) + ":" + std::to_string(entry.port);
-}
-
-std::string remedy(const error_code& cause, const config::Endpoint& entry) {
+std::string remedy(const error_code& cause, const config::Endpoint& entry, bool may_be_passed) {
   if (cause == boost::asio::error::address_in_use) {
     return "another program listens there (`ss -ltnp` shows which): stop it, or take another port";
   }
   if (cause == boost::asio::error::access_denied && entry.port < kFirstOrdinaryPort) {
-    return "only systemd may open ports below 1024 for it: let canopen-gateway.socket do so (`systemctl enable "
-           "canopen-gateway.socket`, then restart), or take a port from 1024 on";
+    return privileged_port_remedy(entry, may_be_passed);
   }
   if (cause == boost::asio::error::address_family_not_supported) {
     return "this system does not have that kind of address: leave the entry out";
@@ -254,7 +248,8 @@ bool Listener::take_last(Socket& socket) {
 }
 
 void Listener::warn_once(const error_code& cause) {
-  std::string text = "cannot listen: " + cause.message() + "; " + remedy(cause, entry_) + ". It is tried again";
+  std::string text =
+      "cannot listen: " + cause.message() + "; " + remedy(cause, entry_, owner_.may_be_passed) + ". It is tried again";
   if (text != told_) {
     owner_.log.own_warn(name_, text);
     told_ = std::move(text);

@@ -28,6 +28,7 @@ class Listener {
     /// Runs what is handed over; close() makes it return soon.
     std::function<void(boost::asio::awaitable<void>)> spawn;
     ConnectionLog& log;
+    bool may_be_passed = false;  ///< The service manager may bind its sockets, and pass them.
     SpareDescriptor spare{};
   };
 

@@ -57,11 +57,16 @@ const canopen::MappedObject* field_with(const canopen::PdoSettings& rpdo, canope
   return found == rpdo.mapping.end() ? nullptr : &*found;
 }
 
-/// The drive notices by itself when commands stop coming: by our heartbeat, or by the time between RPDOs where the
-/// profile says that it has that timer. Or the gateway does something when the writer is gone.
+bool supervises_gateway(const DriveDraft& draft) {
+  return draft.drive.node.error_control.supervise_gateway != Duration::zero();
+}
+
+/// The drive stops by itself when commands stop coming: without our heartbeat, where that is established, or by the
+/// time between RPDOs where the profile says that it has that timer. Or the gateway does something when the writer is
+/// gone.
 bool is_supervised(const DriveDraft& draft) {
   const Commands& commands = draft.drive.commands;
-  return draft.drive.node.error_control.supervise_gateway != Duration::zero() || supervises_rpdo(draft) ||
+  return (supervises_gateway(draft) && !draft.said.error_control.unconfirmed) || supervises_rpdo(draft) ||
          (commands.timeout != Duration::zero() && commands.on_timeout != OnTimeout::hold);
 }
 
@@ -70,8 +75,12 @@ void advise_on_supervision(const DriveDraft& draft) {
     return;
   }
   std::string text =
-      "takes commands, but nothing stops it when writer or gateway is gone; set supervise_gateway where the drive can, "
-      "and its own communication timeout where it cannot; commands.timeout with on_timeout watches the writer";
+      supervises_gateway(draft)
+          ? "takes commands, and supervises the gateway, but it is not established that its motor stops when the "
+            "gateway is gone; try it slowly and uncoupled, then write unconfirmed = false in [drive.error_control]"
+          : "takes commands, but nothing stops it when writer or gateway is gone; set supervise_gateway where the "
+            "drive can, and its own communication timeout where it cannot";
+  text += "; commands.timeout with on_timeout watches the writer";
   for (const PdoDraft& rpdo : draft.rpdos) {
     if (rpdo.settings.event_timer.value_or(0) != 0 && !rpdo.said->keys.supervised) {
       text += ". The event_timer of " + rpdo.said->name + " counts only with " + rpdo.said->name +

@@ -118,9 +118,8 @@ const SectionOf<DriveKeys>& drive_section() {
              "Period of node guarding, whole milliseconds, for drives without heartbeat; `0s`: none."),
        Field("supervise_gateway", time(&ErrorControlSettings::supervise_gateway),
              duration({.min = seconds(0), .max = kLongest16, .whole_ms = true}),
-             "The drive trips when the gateway's heartbeat is missing this long (0x1016), or its guarding requests "
-             "(0x100C, "
-             "0x100D); `0s`: it does not."),
+             "The drive notices when the gateway's heartbeat is missing this long (0x1016), or its guarding requests "
+             "(0x100C, 0x100D), and trips, or does what is set in it; `0s`: it does not."),
        Field("restart", &DriveKeys::restart, boolean(),
              "`true`: a drive that left operational by itself is configured and started again after 5 s, then 10 s, up "
              "to 60 s; not where its motor runs or its `control_command` is no `stop`, as read by SDO."),

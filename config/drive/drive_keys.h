@@ -73,6 +73,7 @@ struct PdoKeys {
 struct ErrorControlKeys {
   canopen::SetupPolicy policy = canopen::SetupPolicy::write;
   bool consumer = false;
+  bool unconfirmed = false;
   bool guarding = false;
 };
 

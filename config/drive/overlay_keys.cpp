@@ -93,6 +93,9 @@ const SectionOf<ErrorControlKeys>& error_control_section() {
       "error_control",
       {Field("policy", &ErrorControlKeys::policy, policy(), "Of the heartbeat period, 0x1017."),
        Field("consumer", &ErrorControlKeys::consumer, boolean(), "It can supervise the gateway's heartbeat (0x1016)."),
+       Field("unconfirmed", &ErrorControlKeys::unconfirmed, boolean(),
+             "What its motor does when `supervise_gateway` runs out is not established: nothing relies on that it "
+             "stops."),
        Field("guarding", &ErrorControlKeys::guarding, boolean(),
              "It answers node guarding; asked once for its state, when found without a heartbeat. What `guarding` of a "
              "drive "

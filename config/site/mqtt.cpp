@@ -89,6 +89,9 @@ struct FileKey {
   bool secret;
   const char* holds;
 };
+// The group of the unit and so of the control socket.
+constexpr const char* kOperators = "canopen-gateway";
+
 constexpr FileKey kPassword{"password_file", &Mqtt::password_file, true, "its first line is the password"};
 constexpr std::array<FileKey, 3> kTls{{{"ca_file", &Mqtt::ca_file, false, "it holds PEM certificates"},
                                        {"cert_file", &Mqtt::cert_file, false, "it holds a PEM certificate"},
@@ -118,6 +121,10 @@ bool check_file(const Node& table, const FileKey& key, const std::string& label,
   }
   if (key.secret && std::get<FileFacts>(facts).readable_by_all) {
     report.warning(place, label + " can be read by everybody on this machine; chmod o-r it");
+  } else if (key.secret && group_may_read(path, kOperators)) {
+    report.warning(place, label + " can be read by everybody in the group " + kOperators +
+                              ", which people join to ask and to command; let the user of that name own it, and chmod "
+                              "600 it");
   }
   if (std::get<FileFacts>(facts).size == 0) {
     report.error(place, label + " is empty; " + key.holds);

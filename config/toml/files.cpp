@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <fstream>
+#include <sstream>
 #include <system_error>
 
 namespace config {
@@ -48,6 +49,24 @@ std::variant<std::string, FileFailure> read_file(const std::filesystem::path& pa
   in.read(content.data(), static_cast<std::streamsize>(content.size()));
   content.resize(static_cast<std::size_t>(in.gcount()));
   return content;
+}
+
+bool group_may_read(const std::filesystem::path& path, std::string_view group, const std::filesystem::path& groups) {
+  struct stat entry{};
+  if (::stat(path.c_str(), &entry) != 0 || (entry.st_mode & S_IRGRP) == 0) {
+    return false;
+  }
+  std::ifstream in(groups);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream fields(line);  // NAME:PASSWORD:ID:MEMBERS
+    std::string name;
+    std::string password;
+    gid_t id = 0;
+    if (std::getline(fields, name, ':') && std::getline(fields, password, ':') && fields >> id && name == group) {
+      return id == entry.st_gid;
+    }
+  }
+  return false;
 }
 
 bool is_absent(const std::filesystem::path& path) {

@@ -13,6 +13,7 @@
 #include "daemon/doctor/machine.h"
 #include "daemon/doctor/network.h"
 #include "daemon/doctor/presence.h"
+#include "daemon/doctor/service.h"
 #include "daemon/output.h"
 
 namespace gateway {
@@ -76,16 +77,22 @@ void look_at_buses(Lines& lines, const config::Model& model, std::optional<std::
   }
 }
 
-void look_at_ports(Lines& lines, const config::Model& model, const doctor::PortHolder& holder, pid_t gateway) {
-  std::vector<config::Endpoint> ports;
+void look_at_ports(Lines& lines, const config::Model& model, const doctor::ServiceFacts& service,
+                   doctor::Presence presence, pid_t gateway) {
+  const auto look = [&](const config::Endpoint& listen, bool may_be_passed) {
+    lines.push_back(judge(listen, doctor::try_port(listen, gateway),
+                          {.gateway = presence,
+                           .privileged = ::geteuid() == 0,
+                           .opener = opener_of(listen, service, may_be_passed),
+                           .may_be_passed = may_be_passed}));
+  };
   if (model.modbus) {
-    ports = model.modbus->listen;
+    for (const config::Endpoint& listen : model.modbus->listen) {
+      look(listen, true);
+    }
   }
   if (model.http) {
-    ports.push_back(model.http->listen);
-  }
-  for (const config::Endpoint& listen : ports) {
-    lines.push_back(judge(listen, doctor::try_port(listen, gateway), holder));
+    look(model.http->listen, false);
   }
 }
 
@@ -103,8 +110,10 @@ void look_at_plant(Lines& lines, const config::Model& model, const std::vector<d
   lines.push_back(judge(model.gateway.control, gateway));
   const doctor::FileFacts file_facts = try_files(files);
   append(lines, judge(files, file_facts));
+  const doctor::ServiceFacts service = doctor::look_at_service(doctor::unit_directories());
+  append(lines, judge(service, files, model.gateway.control));
   look_at_buses(lines, model, listening, presence);
-  look_at_ports(lines, model, {.gateway = presence, .privileged = ::geteuid() == 0}, gateway.process);
+  look_at_ports(lines, model, service, presence, gateway.process);
   if (model.mqtt) {
     look_at_brokers(
         lines, *model.mqtt,

@@ -1,14 +1,13 @@
 #include "daemon/doctor/files.h"
 
 #include <fmt/format.h>
-#include <grp.h>
-#include <pwd.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <iterator>
 #include <system_error>
 
 #include "canopen/bus/socketcan/descriptor.h"
@@ -24,6 +23,7 @@ using Use = Wanted::Use;
 int mode_of(Use use) noexcept {
   switch (use) {
     case Use::read:
+    case Use::handed:
     case Use::secret:
       return R_OK;
     case Use::search:
@@ -41,10 +41,6 @@ std::vector<int> try_each(const std::vector<Wanted>& wanted) {
     errors.push_back(::access(each.path.c_str(), mode_of(each.use)) == 0 ? 0 : errno);
   }
   return errors;
-}
-
-bool become(const passwd& user) {
-  return ::initgroups(user.pw_name, user.pw_gid) == 0 && ::setgid(user.pw_gid) == 0 && ::setuid(user.pw_uid) == 0;
 }
 
 // access(2) asks for the real user, and who has given up root does not get it back: so a child does it.
@@ -86,7 +82,8 @@ std::string remedy(const Wanted& wanted, int error, const std::string& user) {
   const std::string path = wanted.path.string();
   if (error == ENOENT) {
     return wanted.use == Use::keep
-               ? fmt::format("`install -d -m 750 -o {} -g {} {}`; the unit of systemd does it", user, user, path)
+               ? fmt::format("`install -d -m 750 -o {} -g {} {}`; the unit does it for /var/lib/canopen-gateway", user,
+                             user, path)
                : "put it there, or name the right one";
   }
   if (error == EROFS) {
@@ -95,6 +92,12 @@ std::string remedy(const Wanted& wanted, int error, const std::string& user) {
   if (wanted.use == Use::keep) {
     return fmt::format("`chown {} {}`, and let that user through all directories above it", user, path);
   }
+  if (wanted.use == Use::secret) {
+    return fmt::format(
+        "`chown {} {}` and `chmod 600 {}`, and let that user through all directories above it; or let systemd hand it "
+        "over (LoadCredential=). Not by its group: people join that to command",
+        user, path, path);
+  }
   return fmt::format("`chgrp {} {}` and `chmod g+r{} {}`, and let that user through all directories above it", user,
                      path, wanted.use == Use::search ? "x" : "", path);
 }
@@ -102,7 +105,7 @@ std::string remedy(const Wanted& wanted, int error, const std::string& user) {
 // One that is absent and has an absolute name is an error of the configuration, which is then not looked at any
 // further.
 bool may_be_credential(Use use, int error) noexcept {
-  return use == Use::secret && error == ENOENT;
+  return (use == Use::secret || use == Use::handed) && error == ENOENT;
 }
 
 void add_profiles(std::vector<Wanted>& wanted, const fs::path& directory) {
@@ -130,18 +133,17 @@ std::vector<Wanted> wanted_files(const config::Model& model, const fs::path& con
     wanted.push_back({model.gateway.state_dir, Use::keep});
   }
   if (model.mqtt) {
-    for (const std::string& file :
-         {model.mqtt->password_file, model.mqtt->ca_file, model.mqtt->cert_file, model.mqtt->key_file}) {
-      if (!file.empty()) {
-        wanted.push_back({file, Use::secret});
-      }
-    }
+    const std::array<Wanted, 4> files{{{model.mqtt->password_file, Use::secret},
+                                       {model.mqtt->ca_file, Use::handed},
+                                       {model.mqtt->cert_file, Use::handed},
+                                       {model.mqtt->key_file, Use::secret}}};
+    std::ranges::copy_if(files, std::back_inserter(wanted), [](const Wanted& each) { return !each.path.empty(); });
   }
   return wanted;
 }
 
 FileFacts try_files(const std::vector<Wanted>& wanted) {
-  const passwd* const user = ::geteuid() == 0 ? ::getpwnam(kServiceUser) : nullptr;  // NOLINT(concurrency-mt-unsafe)
+  const passwd* const user = service_user();
   if (user != nullptr) {
     return {.user = kServiceUser, .is_service_user = true, .errors = try_as(*user, wanted)};
   }
@@ -181,10 +183,9 @@ Lines judge(const std::vector<Wanted>& wanted, const FileFacts& facts) {
     }
   }
   if (!facts.is_service_user) {
-    lines.push_back(
-        {Verdict::warning, "files",
-         fmt::format("they were tried as {}, not as the service's user {}", facts.user, kServiceUser),
-         "run this as root on a machine with that user (the package makes it; systemd/ has its sysusers file)"});
+    lines.push_back({Verdict::warning, "files",
+                     fmt::format("they were tried as {}, not as the service's user {}", facts.user, kServiceUser),
+                     "run this as root on a machine with that user (the package makes it, or `systemd-sysusers`)"});
   } else if (lines.empty()) {
     lines.push_back({Verdict::ok, "files", fmt::format("{} may use all {}", facts.user, wanted.size())});
   }

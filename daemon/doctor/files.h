@@ -7,6 +7,7 @@
 
 #include "config/model.h"
 #include "daemon/doctor/line.h"
+#include "daemon/doctor/service_user.h"
 
 namespace gateway::doctor {
 
@@ -16,7 +17,8 @@ struct Wanted {
     read,
     search,  ///< A directory whose files are read.
     keep,    ///< A directory that files are written to.
-    secret   ///< A file that systemd may hand over instead (LoadCredential=).
+    handed,  ///< A file that systemd may hand over instead (LoadCredential=).
+    secret   ///< Such a file, and nobody else may read it.
   };
   std::filesystem::path path;
   Use use = Use::read;
@@ -33,8 +35,6 @@ struct FileFacts {
   bool is_service_user = false;
   std::vector<int> errors;  ///< errno of each, in their order; 0: it may.
 };
-
-inline constexpr const char* kServiceUser = "canopen-gateway";
 
 /// As the service's user where this program is root and the machine has that user, else as who runs it. A process of
 /// its own takes that user's place for a moment.

@@ -36,10 +36,11 @@ Line judge_buffer(const std::optional<std::uint64_t>& rmem_max) {
             fmt::format("see to it that it is at least {}", kWanted)};
   }
   if (*rmem_max < kWanted) {
-    return {
-        Verdict::warning, "receive buffer",
-        fmt::format("net.core.rmem_max is {}: frames may be lost in bursts", *rmem_max),
-        fmt::format("`sysctl -w net.core.rmem_max={}`, and for good the file of systemd/ in /etc/sysctl.d", kWanted)};
+    return {Verdict::warning, "receive buffer",
+            fmt::format("net.core.rmem_max is {}: frames may be lost in bursts", *rmem_max),
+            fmt::format("`sysctl --system` where the package is installed, which has a file for it; else `sysctl -w "
+                        "net.core.rmem_max={}`, and for good a line with that in /etc/sysctl.d",
+                        kWanted)};
   }
   return {Verdict::ok, "receive buffer", fmt::format("net.core.rmem_max is {}", *rmem_max)};
 }

@@ -3,25 +3,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/system/error_code.hpp>
+#include <cerrno>
 
+#include "bridges/net/privileged_port.h"
 #include "daemon/doctor/port_owner.h"
+#include "daemon/doctor/service_user.h"
 
 namespace gateway::doctor {
 namespace {
 
 using boost::asio::ip::tcp;
 using boost::system::error_code;
-
-constexpr std::uint16_t kFirstFreePort = 1024;
-
-std::string name_of(const config::Endpoint& endpoint) {
-  const bool is_v6 = endpoint.host.find(':') != std::string::npos;
-  return fmt::format("{}{}{}:{}", is_v6 ? "[" : "", endpoint.host, is_v6 ? "]" : "", endpoint.port);
-}
 
 std::vector<tcp::endpoint> look_up(boost::asio::io_context& io, const config::Endpoint& endpoint,
                                    std::string& unknown) {
@@ -56,8 +53,30 @@ std::error_code try_to_bind(boost::asio::io_context& io, const tcp::endpoint& at
   return failed;
 }
 
+// As the service would, which has no privilege.
+bool is_refused_to_service(const tcp::endpoint& at) {
+  const auto error = as_service_user([&at] {
+    boost::asio::io_context io;
+    return try_to_bind(io, at).value();
+  });
+  return error == EACCES;
+}
+
+Line judge_free(const config::Endpoint& listen, const PortFacts& facts, const PortHolder& holder) {
+  const std::string subject = "port " + net::text_of(listen);
+  if (facts.needs_privilege && holder.opener.empty()) {
+    return {Verdict::warning, subject, fmt::format("free, but {} may not take it", kServiceUser),
+            net::privileged_port_remedy(listen, holder.may_be_passed)};
+  }
+  if (holder.gateway == Presence::runs) {
+    return {Verdict::warning, subject, "the gateway runs and does not listen there",
+            "its log says why (`journalctl -u canopen-gateway`); or it has an older configuration"};
+  }
+  return {Verdict::ok, subject, facts.needs_privilege ? "free; opened by " + holder.opener : "free"};
+}
+
 Line judge_taken(const config::Endpoint& listen, const PortFacts& facts, Presence gateway) {
-  const std::string subject = "port " + name_of(listen);
+  const std::string subject = "port " + net::text_of(listen);
   const std::string who = fmt::format("`ss -ltnp 'sport = :{}'` as root names it", listen.port);
   if (facts.of_gateway == true) {
     return {Verdict::ok, subject, "the gateway listens there"};
@@ -87,22 +106,21 @@ PortFacts try_port(const config::Endpoint& listen, pid_t gateway) {
     if (const std::error_code failed = try_to_bind(io, at)) {
       facts.error = failed;
       facts.of_gateway = failed == std::errc::address_in_use ? is_held_by(at, gateway) : std::nullopt;
+    } else if (listen.port < net::kFirstOrdinaryPort) {
+      facts.needs_privilege = facts.needs_privilege || is_refused_to_service(at);
     }
   }
   return facts;
 }
 
 Line judge(const config::Endpoint& listen, const PortFacts& facts, const PortHolder& holder) {
-  const std::string subject = "port " + name_of(listen);
+  const std::string subject = "port " + net::text_of(listen);
   if (!facts.unknown_name.empty()) {
     return {Verdict::warning, subject, "no address is known for " + listen.host + ": " + facts.unknown_name,
             "the gateway tries again until there is one; a numeric address does not wait for a name server"};
   }
   if (!facts.error) {
-    return holder.gateway == Presence::runs
-               ? Line{Verdict::warning, subject, "the gateway runs and does not listen there",
-                      "its log says why (`journalctl -u canopen-gateway`); or it has an older configuration"}
-               : Line{Verdict::ok, subject, "free"};
+    return judge_free(listen, facts, holder);
   }
   if (facts.error == std::errc::address_in_use) {
     return judge_taken(listen, facts, holder.gateway);
@@ -111,11 +129,19 @@ Line judge(const config::Endpoint& listen, const PortFacts& facts, const PortHol
     return {Verdict::warning, subject, "this machine does not have that address now",
             "the gateway listens there as soon as it comes; `ip address` shows those that there are"};
   }
-  if (facts.error == std::errc::permission_denied && listen.port < kFirstFreePort && !holder.privileged) {
-    return {Verdict::warning, subject, "only root may try a port below 1024",
-            "run this as root; the service may listen there"};
+  if (facts.error == std::errc::permission_denied && listen.port < net::kFirstOrdinaryPort && !holder.privileged) {
+    return {Verdict::warning, subject, "only root may try a port below 1024", "run this as root"};
   }
   return {Verdict::error, subject, facts.error.message(), "let `listen` name another address or port"};
+}
+
+std::string opener_of(const config::Endpoint& listen, const ServiceFacts& service, bool may_be_passed) {
+  if (service.takes_any_port) {
+    return "the service, by CAP_NET_BIND_SERVICE";
+  }
+  const bool passed =
+      may_be_passed && std::ranges::find(service.sockets, net::text_of(listen)) != service.sockets.end();
+  return passed ? "canopen-gateway.socket" : "";
 }
 
 BrokerFacts try_broker(const config::Mqtt& mqtt, const config::Endpoint& broker, bool lacks_files,
@@ -135,7 +161,7 @@ BrokerFacts try_broker(const config::Mqtt& mqtt, const config::Endpoint& broker,
 }
 
 Line judge(const config::Endpoint& broker, const BrokerFacts& facts) {
-  const std::string subject = "broker " + name_of(broker);
+  const std::string subject = "broker " + net::text_of(broker);
   if (!facts.unknown_name.empty()) {
     return {Verdict::error, subject, "no address is known for " + broker.host + ": " + facts.unknown_name,
             "is the name right, and the name server reachable: `getent ahosts " + broker.host + "`"};
@@ -147,7 +173,7 @@ Line judge(const config::Endpoint& broker, const BrokerFacts& facts) {
   }
   if (facts.speaks_tls) {
     return {Verdict::error, subject, "what answers there speaks TLS, and is named without",
-            fmt::format("let `brokers` name it as mqtts://{}, or name its port without TLS", name_of(broker))};
+            fmt::format("let `brokers` name it as mqtts://{}, or name its port without TLS", net::text_of(broker))};
   }
   if (facts.reach.manner == mqtt::Manner::foreign) {
     return {Verdict::error, subject, facts.reach.why,

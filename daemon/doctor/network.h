@@ -12,6 +12,7 @@
 #include "config/model.h"
 #include "daemon/doctor/line.h"
 #include "daemon/doctor/presence.h"
+#include "daemon/doctor/service.h"
 
 namespace gateway::doctor {
 
@@ -20,6 +21,7 @@ struct PortFacts {
   std::string unknown_name{};        ///< Why the system knows no address of the name; empty: it does.
   std::error_code error{};           ///< Set: nobody can listen there now.
   std::optional<bool> of_gateway{};  ///< It is the gateway that listens there; nothing: that was not seen.
+  bool needs_privilege = false;      ///< Root may take it, and the service's user may not.
 };
 /// `gateway`: its process; 0: not known.
 [[nodiscard]] PortFacts try_port(const config::Endpoint& listen, pid_t gateway);
@@ -27,9 +29,13 @@ struct PortFacts {
 /// Whoever may have the port.
 struct PortHolder {
   Presence gateway = Presence::absent;
-  bool privileged = false;  ///< This program may take ports below 1024.
+  bool privileged = false;     ///< This program may take ports below 1024.
+  std::string opener{};        ///< What opens those for the service; empty: nothing does.
+  bool may_be_passed = false;  ///< systemd may be what opens it.
 };
 [[nodiscard]] Line judge(const config::Endpoint& listen, const PortFacts& facts, const PortHolder& holder);
+/// PortHolder::opener of that address.
+[[nodiscard]] std::string opener_of(const config::Endpoint& listen, const ServiceFacts& service, bool may_be_passed);
 
 struct BrokerFacts {
   std::string unknown_name{};  ///< As above.

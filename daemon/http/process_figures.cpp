@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -18,16 +19,15 @@ std::string read_all(const char* path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// When the machine started: the line `btime 1767323045`. The file is slow on a machine of many processors, and the line
-// moves when the time of day is set.
+double seconds_of(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) / 1e9;
+}
+
+// When the machine started. Not `btime` of /proc/stat: the unit hides that file (ProcSubset=pid).
 double boot_time() {
-  std::istringstream stat(read_all("/proc/stat"));
-  for (std::string line; std::getline(stat, line);) {
-    if (line.starts_with("btime ")) {
-      return std::stod(line.substr(6));
-    }
-  }
-  return 0;
+  return seconds_of(CLOCK_REALTIME) - seconds_of(CLOCK_BOOTTIME);
 }
 
 std::uint64_t count_descriptors() {
@@ -62,7 +62,7 @@ void read_stat(ProcessFigures& figures) {
   std::uint64_t pages = 0;
   fields >> started >> figures.virtual_bytes >> pages;
   if (fields) {
-    static const double booted = boot_time();
+    static const double booted = boot_time();  // It moves when the time of day is set; a start does not.
     const auto ticks = static_cast<double>(::sysconf(_SC_CLK_TCK));
     figures.cpu_seconds = (user + system) / ticks;
     figures.start_time = booted + started / ticks;

@@ -58,8 +58,10 @@ std::string command_page(const Command& program) {
       heading("FILES") + tagged("/etc/canopen-gateway/gateway.toml", "The configuration, see gateway.toml(5).") +
       tagged("/etc/canopen-gateway/profiles", "The site's own profiles of drives; they come before those installed.") +
       tagged("/usr/share/canopen-gateway/profiles", "The profiles that are installed.") +
-      tagged("/usr/share/canopen-gateway/gateway.toml.example", "A configuration to start from.") +
-      tagged("/var/lib/canopen-gateway", "Alarms and the journal of commands.") +
+      tagged("/usr/share/canopen-gateway/gateway.toml.example", "A configuration to start from: one drive, watched.") +
+      tagged("/usr/share/canopen-gateway/gateway.toml.four-drives",
+             "All four kinds, with commands, to take parts from.") +
+      tagged("/var/lib/canopen-gateway", "Alarms, records, and the journal of commands.") +
       tagged("/run/canopen-gateway/control", "The control socket of the running gateway.");
   out += heading("SEE ALSO") + "gateway.toml(5), systemctl(1), ip\\-link(8)\n.PP\n" +
          roff("The manual is in /usr/share/doc/canopen-gateway.") + "\n";

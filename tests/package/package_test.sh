@@ -33,6 +33,15 @@ for key in write_from supervise_gateway on_timeout sdo.patience stop_masks; do
 done
 jq -e '.components | length > 10 and all(.version != "" and .purl != "")' "$work/root/usr/share/doc/canopen-gateway/sbom.cdx.json" \
   >/dev/null || fail "the bill of materials"
+# The links of the manual, as it is installed.
+/usr/bin/python3 -B - "$work/root/usr/share/doc/canopen-gateway" <<'PY' || fail "links of the installed manual"
+import pathlib, sys
+sys.path.insert(0, "tests/manual")
+import pages
+root = pathlib.Path(sys.argv[1])
+broken = [each for page in root.rglob("*.md") for each in pages.broken_links(page, root)]
+sys.exit("\n".join(broken) or None)
+PY
 # The completion, as bash asks for it.
 offered=$(bash -c '. "$1"; COMP_WORDS=(canopen-gateway sd); COMP_CWORD=1; _canopen_gateway; echo "${COMPREPLY[*]}"' \
   - "$work/root/usr/share/bash-completion/completions/canopen-gateway")

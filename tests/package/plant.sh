@@ -66,6 +66,7 @@ interface = "vcan0"
 bitrate = 250000
 [modbus]
 listen = ["0.0.0.0:502"]
+[http]
 [[drive]]
 name = "pump1"
 node = 5
@@ -99,6 +100,13 @@ expect_match "who opened the port" '"systemd",pid=1,' "$(ss -Hltnp 'sport = :502
 expect "Modbus on port 502: drives online" 2 "$(read_register 0 2)"
 expect "OOM score" -500 "$(cat /proc/$main/oom_score_adj)"
 say "online; Modbus on port 502 by the socket, without a capability"
+# The unit hides most of /proc; what is known of the process must not need it.
+exec 3<>/dev/tcp/127.0.0.1/9464
+printf 'GET /metrics HTTP/1.0\r\nHost: 127.0.0.1:9464\r\n\r\n' >&3
+started=$(sed -n 's/^process_start_time_seconds \([^\r ]*\).*/\1/p' <&3)
+exec 3>&-
+expect "the start of the process, as /metrics has it" yes \
+  "$(awk -v at="$started" -v now="$(date +%s)" 'BEGIN {print at > now - 600 && at <= now ? "yes" : at " at " now}')"
 
 # ---- Who commands by the control socket is known.
 useradd -m -G canopen-gateway alice
@@ -166,6 +174,14 @@ systemctl start canopen-gateway || fail "start"
 wait_until 20 "Modbus is back" register_is 0 2 2
 say "a wrong configuration and a stop stay what they are, clients or not"
 
+# ---- Restarted again and again: the socket does not give up.
+for ((i = 0; i < 7; ++i)); do
+  systemctl restart canopen-gateway || fail "restart $i"
+done
+expect "the socket after seven restarts" active "$(property ActiveState canopen-gateway.socket)"
+wait_until 20 "Modbus is back" register_is 0 2 2
+say "seven restarts in a row, and port 502 answers"
+
 # ---- Removed and purged.
 dpkg -r canopen-gateway >/dev/null 2>&1 || fail "remove"
 expect "after the removal" "inactive" "$(property ActiveState)"
@@ -173,6 +189,7 @@ expect "after the removal" "inactive" "$(property ActiveState)"
 [ -e /etc/canopen-gateway/gateway.toml ] && [ -d /var/lib/canopen-gateway/journal ] || fail "configuration and state are kept"
 dpkg -P canopen-gateway >/dev/null 2>&1 || fail "purge"
 [ ! -e /var/lib/canopen-gateway ] || fail "the state is gone"
+[ ! -e /etc/needrestart/conf.d/canopen-gateway.conf ] || fail "the package's own file in /etc is gone"
 [ -e /etc/canopen-gateway/gateway.toml ] || fail "the site's configuration is the site's"
 left=$(find /etc/systemd /var/lib/systemd /lib/systemd /usr/lib /usr/share -name '*canopen*' 2>/dev/null)
 expect "left behind" "" "$left"

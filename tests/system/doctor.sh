@@ -40,8 +40,8 @@ useradd --system canopen-gateway || fail "no user"
 chmod 711 "$work"
 install -d -o canopen-gateway "$work/state"
 printf 'secret\n' >"$work/password"
-chgrp canopen-gateway "$work/password"
-chmod 640 "$work/password"
+chown canopen-gateway "$work/password"
+chmod 600 "$work/password"
 sed -e "/^\[gateway\]/a state_dir = \"$work/state\"\ncontrol = \"$work/control\"" \
   -e "/^\[mqtt\]/a username = \"line3\"\npassword_file = \"$work/password\"" "$root/tests/system/gateway.toml" >"$work/gateway.toml"
 chmod 644 "$work/gateway.toml"
@@ -88,6 +88,13 @@ says "the gateway hangs" warning "gateway: whether it works is not known"
 says "nothing, and the gateway hangs" ok "port 127.0.0.1:1502: the gateway listens there"
 end_gateway
 
+say "a port below 1024, and no unit that opens it"
+sed "s#127.0.0.1:1502#127.0.0.1:502#" "$work/gateway.toml" >"$work/low.toml"
+configuration=$work/low.toml
+examine 0
+says "port 502, and nothing opens it for the service" warning "port 127.0.0.1:502: free, but canopen-gateway may not take it"
+configuration=$work/gateway.toml
+
 say "somebody has the port, and the gateway runs without it"
 squat
 start_gateway
@@ -133,7 +140,7 @@ configuration=$work/gateway.toml
 
 say "what is broken"
 sysctl -qw net.core.rmem_max=212992
-chmod 600 "$work/password"
+chown root "$work/password"
 chown root "$work/state" && chmod 700 "$work/state"
 kill "${started[mosquitto]}" && wait "${started[mosquitto]}" 2>/dev/null
 unset "started[mosquitto]"

@@ -22,7 +22,7 @@ systemd-analyze security --offline=yes --threshold=15 "$directory/canopen-gatewa
   { cat "$directory/report" >&2; exit 1; }
 tail -n 1 "$directory/report"
 
-# The drop-ins: of the port, of secrets, and that of the security guide.
+# The drop-ins: of the port, of secrets, and those of the security guide.
 mkdir "$directory/canopen-gateway.service.d"
 cp privileged-port.conf secrets.conf "$directory/canopen-gateway.service.d"
 systemd-analyze verify --man=no "$directory/canopen-gateway.service" 2>"$directory/remarks"
@@ -38,8 +38,8 @@ for example in can0.interfaces can@.service; do
 done
 cd ..
 tests/system/recipe_files.py docs/SECURITY.md "$directory" >/dev/null
-mv "$directory"/etc/systemd/system/canopen-gateway.service.d "$directory"
-systemd-analyze verify --man=no "$directory/canopen-gateway.service" 2>"$directory/remarks"
+mv "$directory"/etc/systemd/system/canopen-gateway.service.d "$directory"/etc/systemd/system/canopen-gateway.socket.d "$directory"
+systemd-analyze verify --man=no "$directory/canopen-gateway.service" "$directory/canopen-gateway.socket" 2>"$directory/remarks"
 if [ -s "$directory/remarks" ]; then
   cat "$directory/remarks" >&2
   exit 1

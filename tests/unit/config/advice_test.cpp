@@ -11,6 +11,7 @@ using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
 const std::string kMixer = "[[drive]]\nname = \"mixer1\"\nnode = 9\nprofile = \"vacon-opte6\"\n";
+const std::string kSupervised = kMixer + "supervise_gateway = \"2s\"\nerror_control.unconfirmed = false\n";
 const std::string kCommands = "[drive.commands]\nwriters = [\"mqtt\"]\n";
 const std::string kMqtt = "[mqtt]\n";
 const std::string kMax = "[drive.signals.target_velocity]\nmax = 1500\n" + kMqtt;
@@ -33,9 +34,23 @@ TEST(Advice, WarnsWhereADriveThatOnlyAnswersHasTimeForNoMissingAnswer) {
 TEST(Advice, WarnsOfCommandsThatNobodySupervises) {
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer + kCommands + kMax)),
               ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": takes commands, but nothing stops it")));
-  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + kCommands + kMax)), IsEmpty());
+  EXPECT_THAT(warnings_of(load_site(kBus + kSupervised + kCommands + kMax)), IsEmpty());
   EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "rpdo1 = { event_timer = \"1s\" }\n" + kCommands + kMax)),
               IsEmpty());
+}
+
+TEST(Advice, DoesNotRelyOnASupervisionThatNobodyHasTried) {
+  const std::string hoped = "supervise_gateway = \"2s\"\n";
+  const auto is_warned_of =
+      ElementsAre(HasSubstr("3:1: warning: drive \"mixer1\": takes commands, and supervises the gateway, but it is not "
+                            "established that its motor stops"));
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + hoped + kCommands + kMax)), is_warned_of);
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + hoped + kCommands + "timeout = \"1s\"\n" + kMax)), is_warned_of)
+      << "on_timeout is hold";
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + hoped + "rpdo1 = { event_timer = \"1s\" }\n" + kCommands + kMax)),
+              IsEmpty())
+      << "which is established";
+  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + hoped)), IsEmpty()) << "nobody commands it";
 }
 
 TEST(Advice, CountsAnEventTimerOnlyWhereTheDriveIsKnownToHaveIt) {
@@ -64,8 +79,7 @@ TEST(Advice, CountsNoRpdoThatIsNeverSent) {
 
 TEST(Advice, WarnsOfWritersThatCannotReachTheDrive) {
   const auto warning = [](const std::string& modbus, const std::string& drive = "") {
-    const Loaded loaded = load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + drive +
-                                    "[drive.commands]\nwriters = [\"modbus\"]\n" +
+    const Loaded loaded = load_site(kBus + kSupervised + drive + "[drive.commands]\nwriters = [\"modbus\"]\n" +
                                     "[drive.signals.target_velocity]\nmax = 1500\n" + modbus);
     std::string text;
     for (const std::string& each : warnings_of(loaded)) {
@@ -85,9 +99,9 @@ TEST(Advice, WarnsOfWritersThatCannotReachTheDrive) {
 }
 
 TEST(Advice, WarnsOfADeadlineThatOneUnansweredReadUsesUp) {
-  const std::string supervised = kMixer + "supervise_gateway = \"2s\"\n";
+  const std::string& supervised = kSupervised;
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"500ms\"\n" + kMax)),
-              ElementsAre(HasSubstr("10:12: warning: drive \"mixer1\": commands.deadline (500ms) is below twice "
+              ElementsAre(HasSubstr("11:12: warning: drive \"mixer1\": commands.deadline (500ms) is below twice "
                                     "sdo.timeout (500ms)")));
   EXPECT_THAT(warnings_of(load_site(kBus + supervised + kCommands + "deadline = \"999ms\"\n" + kMax)),
               ElementsAre(HasSubstr("commands.deadline (999ms) is below twice sdo.timeout (500ms)")));
@@ -102,7 +116,7 @@ TEST(Advice, WarnsOfADeadlineThatOneUnansweredReadUsesUp) {
 }
 
 TEST(Advice, WarnsOfASetpointWithoutMax) {
-  EXPECT_THAT(warnings_of(load_site(kBus + kMixer + "supervise_gateway = \"2s\"\n" + kCommands + kMqtt)),
+  EXPECT_THAT(warnings_of(load_site(kBus + kSupervised + kCommands + kMqtt)),
               ElementsAre(HasSubstr("set-point \"target_velocity\" has no max")));
 }
 

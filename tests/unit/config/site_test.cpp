@@ -1,10 +1,13 @@
 #include "tests/unit/config/site.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+
+#include "config/toml/files.h"
 
 namespace config {
 namespace {
@@ -266,6 +269,26 @@ TEST(MqttClient, RefusesTlsToAnIpv6AddressWhichNoCertificateCanBeFor) {
                                      "name or an IPv4 address; name the broker as its certificate does")));
   EXPECT_TRUE(load_site(site + "brokers = [\"mqtts://192.0.2.1:8883\"]\n").model.has_value());
   EXPECT_TRUE(load_site(site + "brokers = [\"mqtt://[2001:db8::1]:1883\"]\n").model.has_value());
+}
+
+TEST(MqttClient, ASecretIsNotForTheGroupOfOperators) {
+  const std::filesystem::path directory = testing::TempDir();
+  const std::filesystem::path secret = directory / "group-secret";
+  const std::filesystem::path groups = directory / "groups";
+  std::ofstream(secret) << "secret\n";
+  const auto may_read = [&](std::filesystem::perms mode, const std::string& said) {
+    std::filesystem::permissions(secret, mode);
+    std::ofstream(groups) << "root:x:0:\nbroken\n" << said;
+    return group_may_read(secret, "operators", groups);
+  };
+  using std::filesystem::perms;
+  const std::string own = std::to_string(::getgid());
+  const std::string other = std::to_string(::getgid() + 1);
+  EXPECT_TRUE(may_read(perms::owner_read | perms::group_read, "operators:x:" + own + ":anna\n"));
+  EXPECT_FALSE(may_read(perms::owner_read, "operators:x:" + own + ":anna\n"));
+  EXPECT_FALSE(may_read(perms::owner_read | perms::group_read, "operators:x:" + other + ":anna\n"));
+  EXPECT_FALSE(may_read(perms::owner_read | perms::group_read, "others:x:" + own + ":anna\n"));
+  EXPECT_FALSE(group_may_read(directory / "none", "operators", groups));
 }
 
 TEST(MqttClient, LooksAtThePasswordFileWithoutReadingIt) {

@@ -78,6 +78,31 @@ TEST(DoctorNetworkTest, Ports) {
             "warning");
 }
 
+TEST(DoctorNetworkTest, APortOfRootIsOnlyGoodWhereSomethingOpensItForTheService) {
+  const config::Endpoint port{"127.0.0.1", 502};
+  const PortFacts of_root{.needs_privilege = true};
+  const auto judged = [&](const ServiceFacts& service, Presence gateway, bool may_be_passed = true) {
+    return judge(port, of_root,
+                 {.gateway = gateway,
+                  .privileged = true,
+                  .opener = opener_of(port, service, may_be_passed),
+                  .may_be_passed = may_be_passed});
+  };
+  const ServiceFacts other{.installed = true, .sockets = {"0.0.0.0:502"}};
+  const ServiceFacts same{.installed = true, .sockets = {"0.0.0.0:502", "127.0.0.1:502"}};
+  const ServiceFacts privileged{.installed = true, .takes_any_port = true};
+  for (const Presence gateway : {Presence::absent, Presence::runs, Presence::unknown}) {
+    EXPECT_EQ(find({judged({}, gateway)}, "free, but canopen-gateway may not take it"), "warning");
+    EXPECT_EQ(find({judged(other, gateway)}, "free, but canopen-gateway may not take it"), "warning");
+    EXPECT_NE(judged(other, gateway).remedy.find("ListenStream=127.0.0.1:502"), std::string::npos);
+    EXPECT_EQ(find({judged(same, gateway, false)}, "free, but canopen-gateway may not take it"), "warning")
+        << "HTTP takes no socket of systemd";
+  }
+  EXPECT_EQ(find({judged(same, Presence::absent)}, "free; opened by canopen-gateway.socket"), "ok");
+  EXPECT_EQ(find({judged(privileged, Presence::absent, false)}, "free; opened by the service"), "ok");
+  EXPECT_EQ(find({judged(same, Presence::runs)}, "does not listen there"), "warning");
+}
+
 TEST(DoctorNetworkTest, APortThatIsTakenIsSeen) {
   boost::asio::io_context io;
   boost::asio::ip::tcp::acceptor taken(io, {boost::asio::ip::address_v4::loopback(), 0});

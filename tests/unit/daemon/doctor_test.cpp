@@ -245,6 +245,8 @@ TEST(DoctorTest, ASecretThatIsAbsentMayBeACredentialOfTheService) {
   EXPECT_EQ(find(judge(wanted, facts({0, EACCES, 0})), "may not read it: Permission denied"), "error");
   EXPECT_EQ(find(judge(wanted, facts({ENOENT, 0, 0})), "may not read it: No such file"), "error")
       << "the configuration itself";
+  EXPECT_EQ(judge(wanted, facts({0, EACCES, 0})).front().remedy.find("chgrp"), std::string::npos)
+      << "a secret is not for the group that people join";
   EXPECT_FALSE(lacks_credential(wanted, facts({0, ENOENT, 0}), {"/etc/x/line3.key"})) << "the password is not of TLS";
   EXPECT_TRUE(lacks_credential(wanted, facts({0, 0, ENOENT}), {"/etc/x/ca.pem", "/etc/x/line3.key"}));
   EXPECT_FALSE(lacks_credential(wanted, facts({0, 0, EACCES}), {"/etc/x/line3.key"}));
