@@ -59,7 +59,8 @@ class ReloadTest : public test::DemoPlant {
       fields.push_back({static_cast<process::SignalId>(written.model().find(name).value()), value});
     }
     const auto answer = support::spawn(
-        loop_.executor(), written.write({.writer = {.way = process::Writer::Way::local}}, std::move(fields)));
+        loop_.executor(),
+        written.write({.writer = {.way = process::Writer::Way::local, .address = {}}}, std::move(fields)));
     ASSERT_TRUE(loop_.advance_until([&] { return answer.done(); }, 2s));
     ASSERT_FALSE(answer.get().has_error()) << answer.get().error().detail;
   }
