@@ -41,8 +41,8 @@ class Follower final : public Observer {
 
 std::string table(const std::string& name, int node, const std::string& more = "") {
   return "[[drive]]\nname = \"" + name +
-         "\"\nbus = \"can0\"\nprofile = \"veichi-ac300\"\nnode = " + std::to_string(node) +
-         "\n[drive.commands]\nwriters = [\"modbus\"]\n" + more;
+         "\"\nbus = \"can0\"\nprofile = \"veichi-ac300\"\npresets = [\"veichi-command-codes\"]\nnode = " +
+         std::to_string(node) + "\n[drive.commands]\nwriters = [\"modbus\"]\n" + more;
 }
 
 class PlantChangeTest : public SimulatedBus {
@@ -68,10 +68,10 @@ class PlantChangeTest : public SimulatedBus {
   }
   /// The same bus, these drives.
   void change(const std::string& drives, PlantChange::From from) {
-    const config::Model before = model_;
+    config::Model before = std::move(model_);  // The drives look at its parts, wherever it is.
     load(drives);
-    auto next = std::make_shared<const config::Model>(model_);
-    model_ = before;  // The plant looks at it until its drives are gone.
+    auto next = std::make_shared<const config::Model>(std::move(model_));
+    model_ = std::move(before);
     std::vector<std::size_t> leaving;
     for (std::size_t i = 0; i < plant_->size(); ++i) {
       if (std::ranges::find(from, std::optional(i)) == from.end()) {
@@ -172,10 +172,19 @@ TEST_F(PlantChangeTest, TheAlarmsOfARemovedOneAreGone) {
 }
 
 TEST_F(PlantChangeTest, ACommandUnderWayIsAnsweredOffline) {
-  begin(table("pump1", 3) + table("pump2", 4));
-  const auto given = support::spawn(loop_.executor(), plant_->drive(0).sdo_read({0x1018, 1}, canopen::DataType::u32));
+  begin(table("pump1", 3, "deadline = \"5s\"\n") + table("pump2", 4));
+  drives_[0]->misbehaviour().sdo_delay = 4s;
+  Drive& drive = plant_->drive(0);
+  std::vector<FieldWrite> fields{{static_cast<SignalId>(drive.model().find("frequency_command").value()), 10.0}};
+  const auto given =
+      support::spawn(loop_.executor(),
+                     drive.write({.writer = {.way = Writer::Way::modbus, .address = "192.0.2.7"}}, std::move(fields)));
+  run(100ms);
+  ASSERT_FALSE(given.done());
   change(table("pump2", 4), {1});
   ASSERT_TRUE(given.done()) << "before the drive is gone";
+  ASSERT_TRUE(given.get().has_error());
+  EXPECT_EQ(given.get().error().kind, canopen::ErrorKind::offline) << given.get().error().detail;
 }
 
 }  // namespace
