@@ -39,6 +39,8 @@ struct Trial {
 struct DriveNotes {
   std::vector<LiveCheck> live;
   Trial trial;
+  /// An RPDO that is sent, and that the drive trips without (`supervised` and an event timer).
+  std::optional<std::uint16_t> supervised_rpdo;
   friend bool operator==(const DriveNotes&, const DriveNotes&) = default;
 };
 

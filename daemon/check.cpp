@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include "config/longest_restart.h"
 #include "daemon/commands.h"
 #include "daemon/descriptors.h"
 #include "daemon/output.h"
@@ -18,7 +19,7 @@ int check(const Options& options) {
   const config::Loaded loaded = config::load(load_options(options));
   std::string text = text_of(loaded.findings);
   if (loaded.model) {
-    text += config::summary(*loaded.model) + "\n";
+    text += config::longest_restart(loaded) + "\n" + config::summary(*loaded.model) + "\n";
   }
   print(text);
   return loaded.model ? kDone : kConfigurationError;

@@ -115,7 +115,8 @@ void describe(CLI::App& app, CommandLine& line) {
   app.add_flag("--verbose", line.options.verbose, "Log debug messages too");
 
   app.add_subcommand("run", "The daemon, in the foreground");
-  CLI::App* const check = add_asking(app, line, "check", "Validate the configuration and every profile it names");
+  CLI::App* const check = add_asking(
+      app, line, "check", "Validate the configuration and every profile it names, and say how long a restart may take");
   CLI::Option* const live = check->add_flag("--live", line.live, "Compare with the drives of the running daemon too");
   check->get_option("--control")->needs(live);
   CLI::App* const doctor = app.add_subcommand("doctor", "What on this machine would keep the gateway from working");

@@ -66,7 +66,7 @@ bool supervises_gateway(const DriveDraft& draft) {
 /// gone.
 bool is_supervised(const DriveDraft& draft) {
   const Commands& commands = draft.drive.commands;
-  return (supervises_gateway(draft) && !draft.said.error_control.unconfirmed) || supervises_rpdo(draft) ||
+  return (supervises_gateway(draft) && !draft.said.error_control.unconfirmed) || supervised_rpdo(draft).has_value() ||
          (commands.timeout != Duration::zero() && commands.on_timeout != OnTimeout::hold);
 }
 
@@ -285,11 +285,12 @@ bool is_sent(const DriveDraft& draft, std::uint16_t number) {
   });
 }
 
-bool supervises_rpdo(const DriveDraft& draft) {
-  return std::any_of(draft.rpdos.begin(), draft.rpdos.end(), [&draft](const PdoDraft& rpdo) {
+std::optional<std::uint16_t> supervised_rpdo(const DriveDraft& draft) {
+  const auto found = std::find_if(draft.rpdos.begin(), draft.rpdos.end(), [&draft](const PdoDraft& rpdo) {
     return rpdo.said->keys.supervised && rpdo.settings.event_timer.value_or(0) != 0 &&
            is_sent(draft, rpdo.settings.number);
   });
+  return found == draft.rpdos.end() ? std::nullopt : std::optional(found->settings.number);
 }
 
 void advise(DriveDraft& draft) {

@@ -198,6 +198,7 @@ BuiltDrive build_drive(const Node& site, std::size_t number, const Model& model,
   place_signals(draft);
   order_signals(draft);
   take_commands(draft);
+  draft.notes.supervised_rpdo = supervised_rpdo(draft);
   advise(draft);
   return {.drive = std::move(draft.drive), .notes = std::move(draft.notes)};
 }

@@ -72,8 +72,8 @@ template <class S>
 /// An RPDO of that number is really sent, and so armed and repeated: of those in use, each field of it known and one
 /// commanded.
 [[nodiscard]] bool is_sent(const DriveDraft& draft, std::uint16_t number);
-/// Some RPDO that is sent has an event timer, which the profile says that the drive has.
-[[nodiscard]] bool supervises_rpdo(const DriveDraft& draft);
+/// An RPDO that is sent and has an event timer, which the profile says that the drive has; nothing: none.
+[[nodiscard]] std::optional<std::uint16_t> supervised_rpdo(const DriveDraft& draft);
 
 struct BuiltDrive {
   Drive drive;

@@ -163,7 +163,7 @@ void take_timeout(DriveDraft& draft, const Node& commands) {
     draft.warning(command_place(draft, "values"),
                   "commands.values are never written; on_timeout = \"values\" would write them");
   }
-  if (keys.on_timeout == OnTimeout::cease && !supervises_rpdo(draft)) {
+  if (keys.on_timeout == OnTimeout::cease && !supervised_rpdo(draft).has_value()) {
     draft.error(
         command_place(draft, "on_timeout"),
         "commands.on_timeout = \"cease\" stops nothing where the drive supervises no RPDO: an RPDO that is sent "
