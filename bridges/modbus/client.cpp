@@ -200,16 +200,14 @@ awaitable<void> Client::carry_out(std::uint8_t unit, std::size_t used) {
 
 awaitable<void> Client::write(std::uint8_t unit, std::size_t used) {
   const bool is_stop = answer_.request.writes() && units_.is_stop(unit, answer_.request);
-  const std::uint64_t target = units_.target_of(unit, answer_.request);
   if (may_write_ && !is_stop) {
     co_await stop_first(used);
   }
-  if (!units_.has(unit) || units_.target_of(unit, answer_.request) != target) {
-    // The plant changed meanwhile: another drive may have the unit now, and this was not meant for it.
-    answer_.exception = Exception::no_response;
+  process::Origin origin = origin_of(taken_ - filled_ + used);
+  if (!units_.has(unit) || (!is_stop && origin.received <= units_.there_since(unit, answer_.request))) {
+    answer_.exception = Exception::no_response;  // the plant changed since it came
     co_return;
   }
-  process::Origin origin = origin_of(taken_ - filled_ + used);
   if (!answer_.request.is_encapsulated()) {
     answer_.exception = co_await units_.write(unit, answer_.request, std::move(origin));
     co_return;

@@ -123,12 +123,12 @@ std::vector<IdentityObject> identity_of_gateway(const config::Model& model) {
           {IdentityId::software_version, GATEWAY_VERSION}};
 }
 
-std::vector<IdentityObject> identity_of_drive(const config::Model& model, const config::Drive& drive) {
+std::vector<IdentityObject> identity_of_drive(const config::Model& model, const config::Drive& drive, std::size_t bus) {
   return {{IdentityId::vendor_name, std::string(kMaker)},
           {IdentityId::product_code, drive.profile},
           {IdentityId::revision, GATEWAY_VERSION},
           {IdentityId::product_name,
-           "CANopen node " + std::to_string(drive.node.node) + " of bus " + model.buses[drive.bus].name},
+           "CANopen node " + std::to_string(drive.node.node) + " of bus " + model.buses[bus].name},
           {IdentityId::model_name, drive.profile},
           {IdentityId::user_application_name, model.gateway.name + "/" + drive.name},
           {IdentityId::name, drive.name},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -36,9 +37,10 @@ struct IdentityObject {
 };
 
 /// What is known without asking anybody, in order of ids: of the gateway, and of a drive as the gateway shows it. That
-/// of a drive ends where told_identity() goes on.
+/// of a drive ends where told_identity() goes on; `bus` is its position in `model`.
 [[nodiscard]] std::vector<IdentityObject> identity_of_gateway(const config::Model& model);
-[[nodiscard]] std::vector<IdentityObject> identity_of_drive(const config::Model& model, const config::Drive& drive);
+[[nodiscard]] std::vector<IdentityObject> identity_of_drive(const config::Model& model, const config::Drive& drive,
+                                                            std::size_t bus);
 
 /// Whether the answer to `pdu` may need the object. One of the extended category.
 [[nodiscard]] bool asks_for(std::span<const std::uint8_t> pdu, IdentityId id) noexcept;

@@ -10,6 +10,7 @@ namespace modbus {
 Units::Units(process::Plant& plant, const config::Modbus& settings)
     : plant_(plant), order_(settings.word_order), flat_unit_(settings.flat_unit), gateway_(plant, settings.word_order) {
   change({.drives = process::PlantChange::From(plant.size()), .buses = {}});
+  std::ranges::fill(since_, canopen::TimePoint::min());
 }
 
 std::unique_ptr<DriveUnit> Units::make_unit(std::size_t drive) const {
@@ -20,7 +21,7 @@ std::unique_ptr<DriveUnit> Units::make_unit(std::size_t drive) const {
 void Units::change(const process::PlantChange& change) {
   of_drive_ =
       process::realigned(std::move(of_drive_), change.drives, [this](std::size_t drive) { return make_unit(drive); });
-  serials_ = process::realigned(std::move(serials_), change.drives, [this](std::size_t) { return ++last_serial_; });
+  since_ = process::realigned(std::move(since_), change.drives, [](std::size_t) { return canopen::Clock::now(); });
   by_id_.fill(nullptr);
   flat_ = {};
   for (const std::unique_ptr<DriveUnit>& unit : of_drive_) {
@@ -70,7 +71,7 @@ bool Units::is_stop(std::uint8_t unit, const Request& request) const {
   return is_gateway(unit) ? GatewayUnit::is_stop(request) : by_id_[unit]->is_stop(request);
 }
 
-std::uint64_t Units::target_of(std::uint8_t unit, const Request& request) noexcept {
+canopen::TimePoint Units::there_since(std::uint8_t unit, const Request& request) noexcept {
   const DriveUnit* const own = is_flat(unit) ? flat_.written_by(request) : by_id_[unit];
   const process::Drive* drive = own != nullptr ? &own->drive() : nullptr;
   if (request.is_encapsulated() && Encapsulated{request.encapsulated[1]} == Encapsulated::canopen) {
@@ -78,7 +79,7 @@ std::uint64_t Units::target_of(std::uint8_t unit, const Request& request) noexce
     const auto* const reference = std::get_if<Reference>(&parsed);
     drive = reference != nullptr ? drive_of(unit, reference->node) : nullptr;
   }
-  return drive != nullptr ? serials_[drive->index()] : 0;
+  return drive != nullptr ? since_[drive->index()] : canopen::TimePoint::min();
 }
 
 void Units::note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why) {
@@ -133,7 +134,7 @@ boost::asio::awaitable<EncapsulatedAnswer> Units::identify_unit(std::uint8_t uni
   if (own == nullptr) {
     co_return identify(pdu, identity_of_gateway(plant_.model()));
   }
-  std::vector<IdentityObject> objects = identity_of_drive(plant_.model(), own->drive().model());
+  std::vector<IdentityObject> objects = identity_of_drive(plant_.model(), own->drive().model(), own->drive().bus());
   std::vector<IdentityObject> told = co_await told_identity(own->drive(), pdu);
   std::ranges::move(told, std::back_inserter(objects));
   co_return identify(pdu, objects);

@@ -37,9 +37,9 @@ class Units {
   void sign_of_life(std::uint8_t unit, const Request& request, const process::Writer& writer);
   /// The request stops a drive, or all.
   [[nodiscard]] bool is_stop(std::uint8_t unit, const Request& request) const;
-  /// Tells the drive that a request of function 43, or what it writes, is for, from all others that were ever there in
-  /// its place; 0: it is for none. The unit need not exist.
-  [[nodiscard]] std::uint64_t target_of(std::uint8_t unit, const Request& request) noexcept;
+  /// Since when the drive is there that a request of function 43, or what it writes, is for: one that came before was
+  /// meant for another drive, which the plant had there until it changed. min(): from the start, or it is for none.
+  [[nodiscard]] canopen::TimePoint there_since(std::uint8_t unit, const Request& request) noexcept;
   /// A write that is refused before its unit sees it: the drive notes it, of a stop for all each.
   void note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why);
   /// Of function 23: it was written, and what it was to read failed after that. For the log.
@@ -72,8 +72,7 @@ class Units {
   std::optional<std::uint8_t> flat_unit_;
   GatewayUnit gateway_;
   std::vector<std::unique_ptr<DriveUnit>> of_drive_;  ///< By position in the plant.
-  std::vector<std::uint64_t> serials_;                ///< Likewise; see target_of().
-  std::uint64_t last_serial_ = 0;
+  std::vector<canopen::TimePoint> since_;             ///< Likewise; see there_since().
   FlatUnit flat_;
   std::array<DriveUnit*, kUnitIds> by_id_{};
 };

@@ -124,7 +124,7 @@ class FirstOutPlantTest : public testing::Test {
     plant_->add(watcher_);
     units_.clear();
     for (std::size_t i = 0; i < kDrives; ++i) {
-      units_.emplace_back(*plant_, i, config::WordOrder::big);
+      units_.emplace_back(*plant_, plant_->drive(i), config::WordOrder::big);
     }
     plant_->start();
   }

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/change_plant.h"
+
 namespace modbus_test {
 namespace {
 
@@ -94,6 +96,11 @@ void Site::stop_server() {
     }
   });
   EXPECT_TRUE(loop_.advance_until([&done] { return done; }, std::chrono::seconds(5)));
+}
+
+void Site::change(config::Model model) {
+  support::change_plant(loop_, plant_, std::move(model), {{&bus_, [this] { return bus_.statistics(); }}});
+  loop_.settle();
 }
 
 void Site::bring_up() {

@@ -103,6 +103,8 @@ class Site {
   /// A client that stays connected.
   [[nodiscard]] TcpClient& client();
   void stop_server();
+  /// The plant has another configuration, with the same bus.
+  void change(config::Model model);
 
   support::HandDrivenLoop& loop() noexcept { return loop_; }
   canopen::VirtualBus& can() noexcept { return can_; }

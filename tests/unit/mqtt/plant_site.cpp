@@ -5,7 +5,9 @@
 #include <boost/asio/co_spawn.hpp>
 #include <chrono>
 #include <exception>
+#include <utility>
 
+#include "tests/support/change_plant.h"
 #include "tests/support/spawn.h"
 
 namespace mqtt::test {
@@ -72,6 +74,11 @@ void PlantSite::stop_bridge() {
   bridge_stopped_ = true;
   const auto done = support::spawn(loop_.executor(), bridge_.stop());
   EXPECT_TRUE(loop_.advance_until([&done] { return *done; }, std::chrono::seconds(5)));
+}
+
+void PlantSite::change(config::Model model) {
+  support::change_plant(loop_, plant_, std::move(model), {{&bus_, [this] { return bus_.statistics(); }}});
+  loop_.settle();
 }
 
 void PlantSite::bring_up_drive() {

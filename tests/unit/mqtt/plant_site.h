@@ -54,6 +54,8 @@ class PlantSite {
   [[nodiscard]] std::string last_answer(const std::string& topic = "canopen/line3/result") const;
   [[nodiscard]] std::string retained(const std::string& topic) const;
   void stop_bridge();
+  /// The plant has another configuration, with the same bus.
+  void change(config::Model model);
 
   support::HandDrivenLoop& loop() noexcept { return loop_; }
   support::Puppet& puppet() noexcept { return puppet_; }

@@ -1,0 +1,203 @@
+// What clients find when the plant's configuration changes while it runs.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "tests/unit/modbus/site.h"
+
+namespace {
+
+using modbus_test::example_model;
+using modbus_test::frame;
+using modbus_test::kControlObject;
+using modbus_test::kUnit;
+using modbus_test::Site;
+using modbus_test::TcpClient;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr std::uint8_t kFanUnit = 6;
+constexpr std::uint8_t kFlatUnit = 20;
+constexpr std::uint8_t kGateway = 0;
+constexpr const char* kConfigured = "03 0001 0001";
+constexpr const char* kValue = "03 0002 0001";  ///< The output frequency.
+constexpr const char* kNmtRegister = "03 03fc 0001";
+constexpr const char* kSlowWrite = "06 012c 0001";
+constexpr const char* kStopRequest = "06 0064 0005";
+constexpr const char* kUnknownUnit = "83 0a";
+
+config::Model pump_alone() {
+  config::Model model = example_model();
+  model.modbus->flat_unit = kFlatUnit;
+  canopen::MotorSigns& motor = model.drives[0].node.motor;
+  motor.control = kControlObject;
+  motor.stops = {{0xFFFF, 5}};
+  return model;
+}
+
+/// A drive of the same kind that is not on the bus.
+config::Drive fan() {
+  config::Drive drive = pump_alone().drives[0];
+  drive.name = "fan1";
+  drive.unit = kFanUnit;
+  drive.node.node = 6;
+  for (canopen::PdoSettings& pdo : drive.node.tpdos) {
+    ++pdo.cob_id;
+  }
+  ++drive.node.rpdos[0].cob_id;
+  return drive;
+}
+
+/// `fan1` stands before `pump1`.
+config::Model fan_and_pump() {
+  config::Model model = pump_alone();
+  model.drives.insert(model.drives.begin(), fan());
+  return model;
+}
+
+class Reload : public testing::Test {
+ protected:
+  void begin() {
+    site_.bring_up();
+    site_.send_values(0, 0x1388, 0);
+  }
+  void change(config::Model model) {
+    site_.change(std::move(model));
+    site_.loop().advance(milliseconds(1));
+  }
+  std::string ask(std::uint8_t unit, const char* pdu) { return site_.ask(site_.client(), unit, pdu); }
+  void send(std::uint8_t unit, const char* pdu) {
+    const auto request = frame(unit, pdu);
+    ASSERT_EQ(site_.client().send(request), request.size());
+    site_.settle();
+  }
+
+  Site site_{pump_alone()};
+};
+
+TEST_F(Reload, AConnectionStaysAndSoDoesTheUnitOfADriveThatStays) {
+  begin();
+  EXPECT_EQ(ask(kUnit, "06 03fc 0001"), "06 03fc 0001");
+  EXPECT_EQ(ask(kUnit, kValue), "03 02 1388");
+  EXPECT_EQ(ask(kFanUnit, kValue), kUnknownUnit);
+  change(fan_and_pump());
+  EXPECT_EQ(ask(kUnit, kValue), "03 02 1388");
+  EXPECT_EQ(ask(kUnit, kNmtRegister), "03 02 0001");
+  EXPECT_EQ(ask(kFanUnit, "03 03e8 0001"), "03 02 0000") << "offline";
+  EXPECT_EQ(ask(kGateway, kConfigured), "03 02 0002");
+  site_.send_values(0, 0x0102, 0);
+  EXPECT_EQ(ask(kUnit, kValue), "03 02 0102") << "its values go to its own unit";
+  EXPECT_EQ(ask(kUnit, "06 012c 0007"), "06 012c 0007");
+  EXPECT_EQ(site_.server().clients(), 1U);
+  EXPECT_EQ(site_.noticed("disconnected"), 0U);
+}
+
+TEST_F(Reload, AUnitThatGoesIsUnknown) {
+  begin();
+  change(fan_and_pump());
+  config::Model model = pump_alone();
+  model.drives = {fan()};
+  change(model);
+  EXPECT_EQ(ask(kUnit, kValue), kUnknownUnit);
+  EXPECT_EQ(ask(kUnit, "2b 0e 01 00"), "ab 0a");
+  EXPECT_EQ(ask(kFanUnit, "03 03e8 0001"), "03 02 0000");
+  EXPECT_EQ(ask(kGateway, kConfigured), "03 02 0001");
+}
+
+TEST_F(Reload, TheFlatUnitFollows) {
+  config::Model model = fan_and_pump();
+  model.drives[1].flat = 3000;
+  model.drives[0].flat = 4000;
+  begin();
+  EXPECT_EQ(ask(kFlatUnit, "03 0bba 0001"), "83 02");
+  change(model);
+  site_.bring_up();
+  site_.send_values(0, 0x1388, 0);
+  EXPECT_EQ(ask(kFlatUnit, "03 0bba 0001"), "03 02 1388") << "3002";
+  EXPECT_EQ(ask(kFlatUnit, "03 1324 0001"), "03 02 0000") << "4900: the fan is offline";
+  change(pump_alone());
+  EXPECT_EQ(ask(kFlatUnit, "03 1324 0001"), "83 02");
+}
+
+TEST_F(Reload, AWriteUnderWayOfADriveThatGoesIsAnswered) {
+  begin();
+  site_.puppet().mute = true;
+  send(kUnit, kSlowWrite);
+  config::Model model = pump_alone();
+  model.drives = {fan()};
+  change(model);
+  EXPECT_EQ(site_.answer(site_.client()), "86 0b");
+  EXPECT_EQ(ask(kGateway, kConfigured), "03 02 0001") << "the same connection";
+}
+
+TEST_F(Reload, AWriteUnderWayOfADriveThatStaysIsConfirmed) {
+  begin();
+  site_.puppet().mute = true;
+  send(kUnit, kSlowWrite);
+  site_.puppet().mute = false;
+  change(fan_and_pump());
+  site_.run(seconds(3));
+  EXPECT_EQ(site_.answer(site_.client()), "86 0b") << "what the drive did not hear";
+  EXPECT_EQ(ask(kUnit, kSlowWrite), kSlowWrite);
+}
+
+TEST_F(Reload, AnNmtCommandUnderWayIsShownWhereItsDriveIs) {
+  begin();
+  site_.puppet().deaf_to_nmt = true;
+  send(kUnit, "06 03fc 0080");
+  change(fan_and_pump());
+  site_.run(seconds(3));
+  EXPECT_EQ(site_.answer(site_.client()).substr(0, 2), "86");
+  EXPECT_EQ(ask(kUnit, kNmtRegister), "03 02 0000");
+}
+
+TEST_F(Reload, WhatCameBeforeAUnitWasAnotherDrivesIsNotCarriedOutThere) {
+  begin();
+  config::Model changed = pump_alone();
+  changed.drives[0].name = "pump2";
+  site_.puppet().mute = true;
+  send(kUnit, kSlowWrite);
+  send(kUnit, "06 012c 0003");
+  change(changed);
+  site_.puppet().mute = false;
+  site_.puppet().written.clear();
+  EXPECT_EQ(site_.answer(site_.client()), "86 0b");
+  EXPECT_EQ(site_.answer(site_.client()), "86 0b");
+  site_.bring_up();
+  EXPECT_TRUE(site_.puppet().written.empty());
+  EXPECT_EQ(ask(kUnit, "06 012c 0003"), "06 012c 0003") << "it is asked for again";
+}
+
+TEST_F(Reload, AfterAStopThatOvertookWhatWentTheConnectionServesOn) {
+  begin();
+  site_.puppet().mute = true;
+  auto requests = frame(kUnit, kSlowWrite);
+  const auto stop = frame(kUnit, kStopRequest);
+  requests.insert(requests.end(), stop.begin(), stop.end());
+  ASSERT_EQ(site_.client().send(requests), requests.size());
+  site_.settle();
+  config::Model model = pump_alone();
+  model.drives = {fan()};
+  change(model);
+  EXPECT_EQ(site_.answer(site_.client()), "86 0b");
+  EXPECT_EQ(site_.answer(site_.client()), "86 0a");
+  change(pump_alone());
+  site_.puppet().mute = false;
+  site_.bring_up();
+  EXPECT_EQ(ask(kUnit, kSlowWrite), kSlowWrite) << "older than no stop";
+}
+
+TEST_F(Reload, TheFirstFaultIsStillThatOfItsDrive) {
+  begin();
+  site_.send_values(0x0008, 0, 0);
+  site_.run(milliseconds(100));
+  ASSERT_EQ(ask(kUnit, "03 03f8 0001"), "03 02 0001");
+  change(fan_and_pump());
+  EXPECT_EQ(ask(kUnit, "03 03f8 0001"), "03 02 0001");
+  EXPECT_EQ(ask(kFanUnit, "03 03f8 0001"), "03 02 0000");
+}
+
+}  // namespace
