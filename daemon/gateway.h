@@ -63,7 +63,8 @@ class Gateway {
   void start(std::span<const int> passed = {});
   /// Another configuration, checked, with the same [gateway], between start() and stop(): drives, buses and sections
   /// that are the same do not notice. Returns when all others are stopped, and begun anew where they are wanted. Drives
-  /// are replaced whether their motor turns or not: see Reload. Not before the last call has returned.
+  /// are replaced whether their motor turns or not: see Reload. Not before the last call has returned. Throws where a
+  /// bus cannot be made; then nothing has changed.
   boost::asio::awaitable<void> change(std::shared_ptr<const config::Model> model);
   /// The orderly end: says so on MQTT, answers what is pending, sends nothing to drives.
   boost::asio::awaitable<void> stop();
@@ -102,7 +103,8 @@ class Gateway {
 
   boost::asio::awaitable<void> stop_changed(const config::Difference& difference);
   void make_changed(const config::Difference& difference);
-  void change_plant(Model model, const config::Difference& difference);
+  /// `made`: its new buses, by their positions.
+  void change_plant(Model model, Buses made, const config::Difference& difference);
   void forget_left();
 
   boost::asio::any_io_executor executor_;

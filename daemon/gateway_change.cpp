@@ -96,6 +96,11 @@ void tell_sections(const config::Model& before, const config::Model& now, const 
 boost::asio::awaitable<void> Gateway::change(std::shared_ptr<const config::Model> model) {
   const Model before = plant_.shared_model();  // Until nothing looks at it.
   const config::Difference difference = config::difference(*before, *model);
+  Buses made(model->buses.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    // Before anything is touched: it may throw.
+    made[i] = difference.buses[i] ? nullptr : make_bus(model->buses[i]);
+  }
   tell_sections(*before, *model, difference);
   tell_buses(plant_, *model, difference);
   tell_drives(plant_, *model, difference);
@@ -106,7 +111,7 @@ boost::asio::awaitable<void> Gateway::change(std::shared_ptr<const config::Model
     co_await buses_[i]->stop();
   }
   // From here on nothing waits: nobody sees half of a change.
-  change_plant(std::move(model), difference);
+  change_plant(std::move(model), std::move(made), difference);
   make_changed(difference);
   fill_site();
   forget_.arm(canopen::Clock::now() + kForgetAfter);
@@ -140,13 +145,13 @@ boost::asio::awaitable<void> Gateway::stop_changed(const config::Difference& dif
   }
 }
 
-void Gateway::change_plant(Model model, const config::Difference& difference) {
+void Gateway::change_plant(Model model, Buses made, const config::Difference& difference) {
   for (const std::size_t i : leaving(difference.buses, buses_.size())) {
     left_buses_.push_back(std::move(buses_[i]));
   }
   const config::Model& now = *model;
   buses_ =
-      process::realigned(std::move(buses_), difference.buses, [&](std::size_t i) { return make_bus(now.buses[i]); });
+      process::realigned(std::move(buses_), difference.buses, [&made](std::size_t i) { return std::move(made[i]); });
   plant_.change(std::move(model), ports(), {.drives = difference.drives, .buses = difference.buses});
   trace_->change(now, bus_list(), difference.drives, difference.buses);
   if (recording_) {

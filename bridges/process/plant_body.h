@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "bridges/alarms/alarm_record.h"
@@ -37,6 +39,13 @@ class Plant::Body {
        std::vector<BusPort> buses);
 
   [[nodiscard]] Place make_drive(std::size_t index);
+  /// Alarms of what has another configuration under the same name, by positions of now.
+  struct Inherited {
+    std::vector<std::pair<std::size_t, alarms::Alarm>> of_buses;
+    std::vector<std::tuple<std::size_t, alarms::AlarmKind, alarms::Alarm>> of_drives;
+  };
+  /// Before anything is where it is in the new model. A flag of an alarm goes with the name, too.
+  [[nodiscard]] Inherited inherit(const config::Model& before, const PlantChange& from);
   /// Drives that stay are where they are in the model now, new ones are made, the others are among those that left.
   void replace_drives(const PlantChange& from);
   [[nodiscard]] Drive* find(std::string_view name) const noexcept;

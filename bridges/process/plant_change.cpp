@@ -8,22 +8,6 @@
 #include "config/difference.h"
 
 namespace process {
-namespace {
-
-using KnownAlarms = std::vector<std::pair<alarms::AlarmKind, alarms::Alarm>>;
-
-KnownAlarms known_alarms(const Drive& drive) {
-  KnownAlarms known;
-  for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
-    if (drive.alarm(kind).known) {
-      known.emplace_back(kind, drive.alarm(kind));
-    }
-  }
-  return known;
-}
-
-}  // namespace
-
 boost::asio::awaitable<void> Plant::stop(std::vector<std::size_t> drives) {
   for (const std::size_t i : drives) {
     body_->drives[i].drive->close();  // All at once: a stop of one may take as long as a transfer.
@@ -36,28 +20,8 @@ boost::asio::awaitable<void> Plant::stop(std::vector<std::size_t> drives) {
 void Plant::change(std::shared_ptr<const config::Model> model, std::vector<BusPort> buses, const PlantChange& from) {
   Body& body = *body_;
   const std::shared_ptr<const config::Model> before = std::exchange(body.model, std::move(model));
-  const config::Model& now = *body.model;
   ++body.changes;
-  // A flag of an alarm belongs to what has its name.
-  body.first_out.move([&before, &now](const alarms::FaultSource& source) -> std::optional<alarms::FaultSource> {
-    const auto at = source.bus ? config::find_named(now.buses, before->buses[source.index].name)
-                               : config::find_named(now.drives, before->drives[source.index].name);
-    return at ? std::optional(alarms::FaultSource{.bus = source.bus, .index = *at, .kind = source.kind}) : std::nullopt;
-  });
-  std::vector<std::optional<alarms::Alarm>> of_buses(now.buses.size());
-  std::vector<KnownAlarms> of_drives(now.drives.size());
-  for (std::size_t i = 0; i < now.buses.size(); ++i) {
-    const auto same_name = config::find_named(before->buses, now.buses[i].name);
-    if (!from.buses[i] && same_name && body.lines[*same_name].alarm.alarm().known) {
-      of_buses[i] = body.lines[*same_name].alarm.alarm();
-    }
-  }
-  for (std::size_t i = 0; i < now.drives.size(); ++i) {
-    const auto same_name = config::find_named(before->drives, now.drives[i].name);
-    if (!from.drives[i] && same_name) {
-      of_drives[i] = known_alarms(*body.drives[*same_name].drive);
-    }
-  }
+  const Body::Inherited inherited = body.inherit(*before, from);
   body.lines = realigned(std::move(body.lines), from.buses, [](std::size_t) { return Body::Line{}; });
   for (std::size_t i = 0; i < buses.size(); ++i) {
     body.lines[i].port = std::move(buses[i]);
@@ -66,15 +30,11 @@ void Plant::change(std::shared_ptr<const config::Model> model, std::vector<BusPo
   for (Observer* observer : body.observers) {
     observer->on_plant_change(from);
   }
-  for (std::size_t i = 0; i < of_buses.size(); ++i) {
-    if (of_buses[i]) {
-      restore_bus_alarm(i, *of_buses[i]);
-    }
+  for (const auto& [bus, alarm] : inherited.of_buses) {
+    restore_bus_alarm(bus, alarm);
   }
-  for (std::size_t i = 0; i < of_drives.size(); ++i) {
-    for (const auto& [kind, alarm] : of_drives[i]) {
-      body.drives[i].drive->restore(kind, alarm);
-    }
+  for (const auto& [drive, kind, alarm] : inherited.of_drives) {
+    body.drives[drive].drive->restore(kind, alarm);
   }
   for (std::size_t bus = 0; bus < body.lines.size(); ++bus) {
     body.show(bus);  // A drive that left may have been one of two with its node id.
@@ -84,6 +44,30 @@ void Plant::change(std::shared_ptr<const config::Model> model, std::vector<BusPo
       body.drives[i].drive->start();
     }
   }
+}
+
+Plant::Body::Inherited Plant::Body::inherit(const config::Model& before, const PlantChange& from) {
+  first_out.move([this, &before](const alarms::FaultSource& source) -> std::optional<alarms::FaultSource> {
+    const auto at = source.bus ? config::find_named(model->buses, before.buses[source.index].name)
+                               : config::find_named(model->drives, before.drives[source.index].name);
+    return at ? std::optional(alarms::FaultSource{.bus = source.bus, .index = *at, .kind = source.kind}) : std::nullopt;
+  });
+  Inherited inherited;
+  for (std::size_t i = 0; i < model->buses.size(); ++i) {
+    const auto same_name = config::find_named(before.buses, model->buses[i].name);
+    if (!from.buses[i] && same_name && lines[*same_name].alarm.alarm().known) {
+      inherited.of_buses.emplace_back(i, lines[*same_name].alarm.alarm());
+    }
+  }
+  for (std::size_t i = 0; i < model->drives.size(); ++i) {
+    const auto same_name = config::find_named(before.drives, model->drives[i].name);
+    for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+      if (!from.drives[i] && same_name && drives[*same_name].drive->alarm(kind).known) {
+        inherited.of_drives.emplace_back(i, kind, drives[*same_name].drive->alarm(kind));
+      }
+    }
+  }
+  return inherited;
 }
 
 void Plant::Body::replace_drives(const PlantChange& from) {

@@ -122,7 +122,18 @@ boost::asio::awaitable<void> Reload::apply() {
   EffectiveModel effective = effective_model(in_use, *wanted_, turning());
   if (!is_none(config::difference(in_use, effective.model), in_use)) {
     auto model = std::make_shared<const config::Model>(std::move(effective.model));
-    co_await gateway_.change(std::move(model));
+    std::string failure;
+    try {
+      co_await gateway_.change(std::move(model));
+    } catch (const std::exception& error) {
+      failure = error.what();
+    }
+    if (!failure.empty()) {
+      spdlog::error("reload: the configuration cannot be taken: {}", failure);
+      wanted_.reset();
+      tell_waiting({});
+      co_return;
+    }
   }
   tell_waiting(std::move(effective.waiting));
   if (waiting_.empty()) {

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bridges/trace/words.h"
@@ -147,6 +149,46 @@ TEST_F(TraceFeed, AReaderMayOutliveIt) {
   EXPECT_THAT(take(*one), IsEmpty());
   EXPECT_FALSE(more_);
   EXPECT_EQ(two->take_lost(), 0U);
+}
+
+TEST_F(TraceFeed, AReaderGoesOnWhereTheConfigurationChanges) {
+  const auto all = reader();
+  const auto named = reader({.names = model_.drives[0].name});
+  hear(0x700 + model_.drives[0].node.node, 5);
+  hear(0x706, 0x7F, 1);
+  // The buses change places, and the drives, of which the last one goes.
+  config::Model now = model_;
+  std::swap(now.buses[0], now.buses[1]);
+  now.drives.pop_back();
+  std::ranges::reverse(now.drives);
+  for (config::Drive& drive : now.drives) {
+    drive.bus = 1 - drive.bus;
+  }
+  const config::Difference same = config::difference(model_, now);
+  feed_->change(now, {buses_[1].get(), buses_[0].get()}, same.drives, same.buses);
+  EXPECT_EQ(&feed_->model(), &now);
+  hear(0x700 + model_.drives[0].node.node, 4);
+  std::vector<std::string> drives;
+  named->take(100, [&](const Entry& entry) { drives.push_back(now.drives.at(entry.drive.value()).name); });
+  EXPECT_THAT(drives, ElementsAre(model_.drives[0].name, model_.drives[0].name));
+  std::vector<std::string> buses;
+  all->take(100, [&](const Entry& entry) { buses.push_back(now.buses.at(entry.bus.value()).name); });
+  EXPECT_THAT(buses, ElementsAre(model_.buses[0].name, model_.buses[1].name, model_.buses[0].name));
+  EXPECT_EQ(all->take_lost(), 0U);
+}
+
+TEST_F(TraceFeed, FramesOfABusThatWentAreShownToNobody) {
+  const auto all = reader();
+  hear(0x705, 5);
+  hear(0x706, 0x7F, 1);
+  config::Model now = model_;
+  std::erase_if(now.drives, [](const config::Drive& drive) { return drive.bus == 1; });
+  now.buses.pop_back();
+  const config::Difference same = config::difference(model_, now);
+  feed_->change(now, {buses_[0].get()}, same.drives, same.buses);
+  hear(0x706, 0x7F, 1);
+  hear(0x705, 4);
+  EXPECT_THAT(take(*all), ElementsAre("operational", "stopped"));
 }
 
 }  // namespace

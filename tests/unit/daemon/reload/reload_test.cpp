@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 
-#include <fstream>
-#include <iterator>
+#include <boost/json/parse.hpp>
+#include <sstream>
 
-#include "daemon/temporary_directory.h"
+#include "daemon/control/status_json.h"
+#include "daemon/control/status_table.h"
+#include "daemon/control/watch_stream.h"
+#include "daemon/supervision.h"
 #include "tests/unit/daemon/demo_model.h"
 #include "tests/unit/daemon/demo_plant.h"
 
@@ -137,6 +140,11 @@ TEST_F(ReloadTest, OneThatTurnsKeepsItsSectionUntilItStandsStill) {
   EXPECT_EQ(drive("fan1").pending_change(), "waits for standstill");
   EXPECT_EQ(drive("pump1").model().commands.lease, 5s) << "the others do not wait for it";
   EXPECT_EQ(drive("pump1").pending_change(), "");
+  EXPECT_EQ(status_line(gateway_.plant()), "4 of 4 drives online, 1 to be changed at standstill");
+  const std::string told = control::status_json(gateway_.plant(), {}, canopen::Clock::now(), {});
+  EXPECT_THAT(told, testing::HasSubstr("\"boot_text\":\"\",\"reload\":\"waits for standstill\""));
+  EXPECT_THAT(control::status_table(told).value_or(""),
+              testing::HasSubstr("fan1: its new configuration waits for standstill\n"));
   const process::Drive* const fan = &drive("fan1");
   loop_.advance(10s);
   EXPECT_EQ(&drive("fan1"), fan);
@@ -238,6 +246,30 @@ TEST_F(ReloadTest, ABusThatTurnsADriveStays) {
   stop_fan();
   ASSERT_TRUE(loop_.advance_until([&] { return in_use().buses[0].sdo_load == 0.5; }, 30s));
   EXPECT_EQ(in_use(), file_);
+}
+
+TEST_F(ReloadTest, WhoWatchesTheStatusIsShownTheDrivesOfNow) {
+  control::WatchStream watch(gateway_.plant(), "1", {});
+  std::string told;
+  while (watch.take(told)) {
+  }
+  (void)watch.take(told);
+  told.clear();
+  file_.drives.erase(file_.drives.begin() + 1);
+  (void)watch.take(told);  // A status is begun.
+  reload();
+  for (int i = 0; i < 10; ++i) {
+    loop_.advance(control::WatchStream::kPace);
+    (void)watch.take(told);
+  }
+  std::istringstream lines(told);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_NO_THROW((void)boost::json::parse(line)) << line;
+    last = line;
+  }
+  EXPECT_THAT(last, testing::AllOf(testing::HasSubstr("\"name\":\"mixer1\""),
+                                   testing::Not(testing::HasSubstr("\"name\":\"pump1\""))));
 }
 
 TEST_F(ReloadTest, SectionsComeAndGo) {
