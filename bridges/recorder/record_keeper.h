@@ -55,6 +55,8 @@ class RecordKeeper {
   [[nodiscard]] bool knows(std::string_view stem) const;
   [[nodiscard]] std::filesystem::path directory() const { return directory_; }
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
+  /// Its thread is with the disk just now: to let the keeper go may wait for that.
+  [[nodiscard]] bool is_busy() const noexcept { return worker_.busy(); }
 
   static constexpr canopen::Duration kTryAgain = std::chrono::seconds(5);
   static constexpr canopen::Duration kGiveUp = std::chrono::minutes(1);
