@@ -7,8 +7,8 @@
 namespace process {
 
 void Drive::leave() {
-  static const std::vector<Observer*> kNobody;
-  observers_ = &kNobody;
+  static const std::vector<Observer*> nobody;
+  observers_ = &nobody;
   doubled_changed_ = {};
   alarms_.on_fault_began({});
 }
