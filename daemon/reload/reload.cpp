@@ -173,7 +173,7 @@ boost::asio::awaitable<void> Reload::apply() {
 // What two drives say under one node id tells nothing of either, and the proof of it would be lost with its node. That
 // which mends it is not to wait for it.
 Reload::Hold Reload::hold_of(const process::Drive& drive) const {
-  if (drive.status().online && drive.status().doubled != canopen::Doubled::no && keeps_its_place(drive)) {
+  if (drive.status().doubled != canopen::Doubled::no && keeps_its_place(drive)) {
     return Hold::doubled;
   }
   switch (drive.turning()) {
