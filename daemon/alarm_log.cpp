@@ -74,6 +74,12 @@ void AlarmLog::on_plant_change(const process::PlantChange& change) {
   std::vector<Subject> before = std::move(subjects_);
   const std::size_t of_drives_before = before.size() - buses_;
   subjects_.clear();
+  handed_over_.clear();
+  for (const Subject& one : before) {
+    if (!one.line.empty() && !one.id.empty()) {
+      handed_over_[one.id] = one;
+    }
+  }
   for (const auto& from : change.drives) {
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
       subjects_.push_back(from ? std::move(before[*from * kKinds + kind]) : Subject{});
@@ -86,6 +92,12 @@ void AlarmLog::on_plant_change(const process::PlantChange& change) {
 }
 
 void AlarmLog::note(std::size_t subject) {
+  if (const auto before = handed_over_.find(alarm_of(subject).id);
+      before != handed_over_.end() && subjects_[subject].line.empty()) {
+    subjects_[subject].line = before->second.line;
+    subjects_[subject].id = before->second.id;
+    subjects_[subject].count = before->second.count;
+  }
   if (is_told(subject)) {
     return;  // Only its time, or a counter.
   }

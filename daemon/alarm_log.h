@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,6 +64,8 @@ class AlarmLog {
   Write write_;
   std::vector<Subject> subjects_;  ///< The alarms of the drives, then the buses.
   std::size_t buses_;
+  /// By Alarm::id what was told when the plant last changed: a drive that is another one from then on has it still.
+  std::map<std::string, Subject> handed_over_;
   canopen::WakeUp next_;
 };
 

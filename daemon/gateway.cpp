@@ -168,6 +168,7 @@ boost::asio::awaitable<void> Gateway::stop() {
   if (modbus_) {
     co_await modbus_->stop();
   }
+  co_await stop_left();
   for (const auto& in_use : buses_) {
     co_await in_use->stop();
   }

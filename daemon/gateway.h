@@ -61,11 +61,17 @@ class Gateway {
   /// Starts everything; waits for no interface, address, broker or drive. `passed`: listening sockets of the service
   /// manager, by descriptor, which are owned from here on.
   void start(std::span<const int> passed = {});
-  /// Another configuration, checked, with the same [gateway], between start() and stop(): drives, buses and sections
-  /// that are the same do not notice. Returns when all others are stopped, and begun anew where they are wanted. Drives
-  /// are replaced whether their motor turns or not: see Reload. Not before the last call has returned. Throws where a
-  /// bus cannot be made; then nothing has changed.
+  /// Of another configuration, checked, with the same [gateway], between start() and stop(): [http], [recorder] and
+  /// [mqtt], one after the other; each is begun anew as soon as the old one has ended, for which a broker may keep it
+  /// waiting for seconds. Those that are the same, and all drives, do not notice. Neither this nor change() before the
+  /// last call of either has returned. `wanted` outlives it.
+  boost::asio::awaitable<void> change_sections(const config::Model& wanted);
+  /// Likewise all the rest of it: drives, buses and [modbus]. Drives are replaced whether their motor turns or not: see
+  /// Reload. Those that leave take no command any more as soon as this is awaited, before anything is waited for. Their
+  /// end is awaited, which takes some turns of the loop. Throws where a bus cannot be made; then nothing has changed.
   boost::asio::awaitable<void> change(std::shared_ptr<const config::Model> model);
+  /// stop() follows: a change under way begins nothing any more.
+  void end_is_near() noexcept { ending_ = true; }
   /// The orderly end: says so on MQTT, answers what is pending, sends nothing to drives.
   boost::asio::awaitable<void> stop();
 
@@ -101,11 +107,26 @@ class Gateway {
   /// Who asks the site is shown what there is now.
   void fill_site();
 
-  boost::asio::awaitable<void> stop_changed(const config::Difference& difference);
-  void make_changed(const config::Difference& difference);
-  /// `made`: its new buses, by their positions.
-  void change_plant(Model model, Buses made, const config::Difference& difference);
+  /// Stopped, but a coroutine or a thread of theirs may not have ended yet.
+  struct Left {
+    Model model;
+    std::unique_ptr<Recording> recording{};
+    std::unique_ptr<modbus::Server> modbus{};
+    std::unique_ptr<mqtt::Bridge> mqtt{};
+    std::unique_ptr<http::Server> http{};
+  };
+
+  void change_http(const config::Model& wanted);
+  boost::asio::awaitable<void> change_recorder(const config::Model& wanted);
+  boost::asio::awaitable<void> change_mqtt(const config::Model& wanted);
+  void begin_modbus();
+  [[nodiscard]] Buses make_new_buses(const config::Model& model) const;
+  /// It is the plant's. What it has no more is stopped. `made`: its new buses, by their positions.
+  void take(Model model, Buses made);
+  void start_bus(std::size_t bus);
+  void leave(Left left);
   void forget_left();
+  boost::asio::awaitable<void> stop_left();
 
   boost::asio::any_io_executor executor_;
   LinkFactory make_link_;
@@ -132,14 +153,9 @@ class Gateway {
   std::unique_ptr<http::History> history_;
   Model http_model_;
   std::unique_ptr<http::Server> http_;
-  /// Stopped, but a thread or a reader of theirs may not have ended yet.
-  struct Left {
-    Model model;
-    std::unique_ptr<Recording> recording;
-    std::unique_ptr<mqtt::Bridge> mqtt;
-  };
   std::vector<Left> left_;
   canopen::WakeUp forget_;
+  bool ending_ = false;
 };
 
 }  // namespace gateway

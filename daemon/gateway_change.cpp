@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <exception>
 #include <string>
 #include <utility>
 
@@ -78,74 +79,150 @@ void tell_buses(const process::Plant& plant, const config::Model& now, const con
   }
 }
 
-void tell_section(bool differs, std::string_view section, bool was, bool is) {
-  if (differs) {
-    spdlog::info("reload: [{}] {}", section, !was ? "is new" : is ? "is changed: it begins anew" : "is removed");
-  }
+void tell_section(std::string_view section, bool was, bool is) {
+  spdlog::info("reload: [{}] {}", section, !was ? "is new" : is ? "is changed: it begins anew" : "is removed");
 }
 
-void tell_sections(const config::Model& before, const config::Model& now, const config::Difference& difference) {
-  tell_section(difference.modbus, "modbus", before.modbus.has_value(), now.modbus.has_value());
-  tell_section(difference.mqtt, "mqtt", before.mqtt.has_value(), now.mqtt.has_value());
-  tell_section(difference.http, "http", before.http.has_value(), now.http.has_value());
-  tell_section(difference.recorder, "recorder", before.recorder.has_value(), now.recorder.has_value());
-}
+constexpr const char* kNewSection = "disconnected: its section of the configuration was changed";
 
 }  // namespace
 
-boost::asio::awaitable<void> Gateway::change(std::shared_ptr<const config::Model> model) {
-  const Model before = plant_.shared_model();  // Until nothing looks at it.
-  const config::Difference difference = config::difference(*before, *model);
-  Buses made(model->buses.size());
-  for (std::size_t i = 0; i < made.size(); ++i) {
-    // Before anything is touched: it may throw.
-    made[i] = difference.buses[i] ? nullptr : make_bus(model->buses[i]);
+boost::asio::awaitable<void> Gateway::change_sections(const config::Model& wanted) {
+  const config::Difference difference = config::difference(plant_.model(), wanted);
+  if (difference.http) {
+    change_http(wanted);
   }
-  tell_sections(*before, *model, difference);
+  if (difference.recorder && !ending_) {
+    co_await change_recorder(wanted);
+  }
+  if (difference.mqtt && !ending_) {
+    co_await change_mqtt(wanted);
+  }
+}
+
+// Who is served by the old one still is, and sees the end of his connection.
+void Gateway::change_http(const config::Model& wanted) {
+  tell_section("http", plant_.model().http.has_value(), wanted.http.has_value());
+  if (http_) {
+    http_->close(kNewSection);
+    history_->stop();
+    leave({.model = http_model_, .http = std::move(http_)});
+  }
+  config::Model next = plant_.model();
+  next.http = wanted.http;
+  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+  make_http();
+  start_http();
+  fill_site();
+}
+
+boost::asio::awaitable<void> Gateway::change_recorder(const config::Model& wanted) {
+  tell_section("recorder", plant_.model().recorder.has_value(), wanted.recorder.has_value());
+  if (recording_) {
+    recording_->stop_reading();
+    co_await recording_->recorder().stop();
+    plant_.remove(recording_->recorder());
+    leave({.model = plant_.shared_model(), .recording = std::move(recording_)});
+    fill_site();
+  }
+  if (ending_) {
+    co_return;
+  }
+  config::Model next = plant_.model();
+  next.recorder = wanted.recorder;
+  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+  make_recorder();
+  if (recording_) {
+    recording_->recorder().start();
+  }
+  fill_site();
+}
+
+// Two of one client id would throw each other out: the old one has to be gone.
+boost::asio::awaitable<void> Gateway::change_mqtt(const config::Model& wanted) {
+  tell_section("mqtt", plant_.model().mqtt.has_value(), wanted.mqtt.has_value());
+  if (mqtt_) {
+    co_await mqtt_->stop();
+    plant_.remove(*mqtt_);
+    leave({.model = mqtt_model_, .mqtt = std::move(mqtt_)});
+    plant_.set_other_gateway(false);
+    fill_site();
+  }
+  if (ending_) {
+    co_return;
+  }
+  config::Model next = plant_.model();
+  next.mqtt = wanted.mqtt;
+  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+  make_mqtt();
+  if (mqtt_) {
+    mqtt_->start();
+  }
+  if (modbus_) {
+    modbus_->set_mqtt_connected(mqtt_ && mqtt_->connected());
+  }
+  fill_site();
+}
+
+boost::asio::awaitable<void> Gateway::change(std::shared_ptr<const config::Model> model) {
+  const config::Difference difference = config::difference(plant_.model(), *model);
+  Buses made = make_new_buses(*model);  // Before anything is touched: it may throw.
+  std::vector<std::size_t> drives = leaving(difference.drives, plant_.size());
+  for (const std::size_t i : drives) {
+    plant_.drive(i).close();  // First of all: whoever asked for this has just seen that they stand still.
+  }
   tell_buses(plant_, *model, difference);
   tell_drives(plant_, *model, difference);
-  co_await stop_changed(difference);
-  std::vector<std::size_t> drives = leaving(difference.drives, plant_.size());
   co_await plant_.stop(std::move(drives));
   for (const std::size_t i : leaving(difference.buses, buses_.size())) {
     co_await buses_[i]->stop();
   }
-  // From here on nothing waits: nobody sees half of a change.
-  change_plant(std::move(model), std::move(made), difference);
-  make_changed(difference);
+  if (ending_) {
+    co_return;
+  }
+  // From here on nothing waits: nobody sees half of a change, and Modbus is always there for a stop.
+  if (difference.modbus) {
+    tell_section("modbus", plant_.model().modbus.has_value(), model->modbus.has_value());
+    if (modbus_) {
+      modbus_->close(kNewSection);
+      plant_.remove(*modbus_);
+      leave({.model = modbus_model_, .modbus = std::move(modbus_)});
+    }
+  }
+  take(std::move(model), std::move(made));
+  if (difference.modbus) {
+    begin_modbus();
+  }
   fill_site();
   forget_.arm(canopen::Clock::now() + kForgetAfter);
 }
 
-boost::asio::awaitable<void> Gateway::stop_changed(const config::Difference& difference) {
-  if (difference.http && http_) {
-    co_await http_->stop();
-    http_.reset();
-    history_->stop();
+void Gateway::begin_modbus() {
+  make_modbus();
+  std::vector<int> passed;
+  for (const int kept : passed_) {
+    if (const int descriptor = ::fcntl(kept, F_DUPFD_CLOEXEC, 0); modbus_ && descriptor >= 0) {
+      passed.push_back(descriptor);
+    }
   }
-  if (difference.recorder && recording_) {
-    recording_->stop_reading();
-    co_await recording_->recorder().stop();
-    plant_.remove(recording_->recorder());
-    left_.push_back({.model = plant_.shared_model(), .recording = std::move(recording_), .mqtt = nullptr});
-    fill_site();
-  }
-  if (difference.modbus && modbus_) {
-    co_await modbus_->stop();
-    plant_.remove(*modbus_);
-    modbus_.reset();
-    fill_site();
-  }
-  if (difference.mqtt && mqtt_) {
-    co_await mqtt_->stop();
-    plant_.remove(*mqtt_);
-    left_.push_back({.model = mqtt_model_, .recording = nullptr, .mqtt = std::move(mqtt_)});
-    plant_.set_other_gateway(false);
-    fill_site();
+  start_modbus(passed);
+  if (modbus_) {
+    modbus_->set_mqtt_connected(mqtt_ && mqtt_->connected());
   }
 }
 
-void Gateway::change_plant(Model model, Buses made, const config::Difference& difference) {
+Gateway::Buses Gateway::make_new_buses(const config::Model& model) const {
+  const config::Difference difference = config::difference(plant_.model(), model);
+  Buses made(model.buses.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    made[i] = difference.buses[i] ? nullptr : make_bus(model.buses[i]);
+  }
+  return made;
+}
+
+void Gateway::take(Model model, Buses made) {
+  const Model before = plant_.shared_model();  // Until nothing looks at it.
+  const config::Difference difference = config::difference(*before, *model);
   for (const std::size_t i : leaving(difference.buses, buses_.size())) {
     left_buses_.push_back(std::move(buses_[i]));
   }
@@ -162,47 +239,50 @@ void Gateway::change_plant(Model model, Buses made, const config::Difference& di
       buses_[i]->move(plant_, i);
     } else {
       buses_[i]->follow(plant_, i);
-      buses_[i]->start();
+      start_bus(i);
     }
   }
 }
 
-void Gateway::make_changed(const config::Difference& difference) {
-  if (difference.recorder) {
-    make_recorder();
-    if (recording_) {
-      recording_->recorder().start();
-    }
-  }
-  if (difference.modbus) {
-    make_modbus();
-    std::vector<int> passed;
-    for (const int kept : passed_) {
-      if (const int descriptor = ::fcntl(kept, F_DUPFD_CLOEXEC, 0); modbus_ && descriptor >= 0) {
-        passed.push_back(descriptor);
-      }
-    }
-    start_modbus(passed);
-  }
-  if (difference.mqtt) {
-    make_mqtt();
-    if (mqtt_) {
-      mqtt_->start();
-    }
-  }
-  if (modbus_) {
-    modbus_->set_mqtt_connected(mqtt_ && mqtt_->connected());
-  }
-  if (difference.http) {
-    make_http();
-    start_http();
+// Where no descriptor is left this throws, which is no reason to leave the other buses alone.
+void Gateway::start_bus(std::size_t bus) {
+  try {
+    buses_[bus]->start();
+  } catch (const std::exception& failure) {
+    spdlog::critical("bus {}: it cannot be opened: {}; restart the gateway", plant_.model().buses[bus].name,
+                     failure.what());
+    plant_.set_bus_state(bus, canopen::BusState{});
   }
 }
 
+void Gateway::leave(Left left) {
+  left_.push_back(std::move(left));
+  forget_.arm(canopen::Clock::now() + kForgetAfter);
+}
+
+// Whoever has not ended yet, a thread that hangs above all, would keep the loop waiting, and may look at what left.
 void Gateway::forget_left() {
-  left_.clear();
+  std::erase_if(left_, [](const Left& left) {
+    return (!left.recording || left.recording->ended()) && (!left.modbus || left.modbus->ended()) &&
+           (!left.mqtt || left.mqtt->ended()) && (!left.http || left.http->ended());
+  });
+  if (!left_.empty()) {
+    forget_.arm(canopen::Clock::now() + kForgetAfter);
+    return;
+  }
   plant_.forget_left();
   left_buses_.clear();
+}
+
+boost::asio::awaitable<void> Gateway::stop_left() {
+  for (const Left& left : left_) {
+    if (left.modbus) {
+      co_await left.modbus->stop();
+    }
+    if (left.http) {
+      co_await left.http->stop();
+    }
+  }
 }
 
 }  // namespace gateway

@@ -31,6 +31,8 @@ class Recording {
   void follow(const std::vector<process::Plant::BusPort>& buses, const process::PlantChange::From& from);
   /// Nobody who reads a file keeps the end of the gateway waiting. Before HTTP is stopped.
   void stop_reading() { reader_.stop(); }
+  /// When both were stopped: no thread of them is with the disk any more, for which the destructor would wait.
+  [[nodiscard]] bool ended() const noexcept { return !reader_.is_busy() && !recorder_.keeper().is_busy(); }
 
  private:
   std::vector<canopen::Bus*> buses_;

@@ -46,8 +46,8 @@ class FirstOut {
   [[nodiscard]] std::optional<FaultSource> newest_group() const;
   /// The first of the newest group before the gateway's start: holds until a group begins. Ignored after a fault.
   void restore(const FaultSource& newest);
-  /// Drives and buses have other positions. `now_at`: where a source is now; nothing: it is gone, and with it the groups
-  /// that it was the first of. No flag changes by that.
+  /// Drives and buses have other positions. `now_at`: where a source is now; nothing: it is gone, and with it the
+  /// groups that it was the first of. No flag changes by that.
   void move(const std::function<std::optional<FaultSource>(const FaultSource&)>& now_at);
 
  private:

@@ -59,13 +59,13 @@ void Connections::start(std::span<const int> passed) {
   tasks_.spawn(keep_house());
 }
 
-void Connections::close() {
+void Connections::close(const char* why) {
   stopping_ = true;
   for (net::Listener& listener : listeners_) {
     listener.close();
   }
   for (Client& client : clients_) {
-    client.close("disconnected: the gateway ends");
+    client.close(why);
   }
   housekeeping_.cancel();
 }

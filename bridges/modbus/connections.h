@@ -30,9 +30,10 @@ class Connections {
 
   /// `passed`: descriptors of listening sockets, which are owned from here on.
   void start(std::span<const int> passed);
-  /// Ends listeners and connections; nothing more is asked of a drive.
-  void close();
+  /// Ends listeners and connections; nothing more is asked of a drive. `why`: for the log.
+  void close(const char* why = "disconnected: the gateway ends");
   boost::asio::awaitable<void> stop();
+  [[nodiscard]] bool ended() const noexcept { return tasks_.none_runs(); }
 
   [[nodiscard]] std::uint16_t port(std::size_t listen_index) const;
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }

@@ -35,8 +35,12 @@ class Server final : public process::Observer {
   /// `listen` has just that address and port, else on its own. Never fails; what cannot be opened yet is told and
   /// tried again.
   void start(std::span<const int> passed = {}) { connections_.start(passed); }
-  /// Ends listeners and connections.
+  /// Ends listeners and connections; nothing more is asked of a drive. Another server may listen there at once.
   void close() { connections_.close(); }
+  /// The same for this reason, which the log says.
+  void close(const char* why) { connections_.close(why); }
+  /// After close(): no command of a client is in progress any more.
+  [[nodiscard]] bool ended() const noexcept { return connections_.ended(); }
   /// The same; returns when no command of a client is in progress any more, at the latest after the longest deadline of
   /// a command, or soon after the plant was stopped.
   boost::asio::awaitable<void> stop() { return connections_.stop(); }

@@ -54,6 +54,8 @@ class Bridge final : public process::Observer, private BrokerEvents {
   [[nodiscard]] bool connected() const noexcept { return session_.ready(); }
   /// False: the way to the broker stands still, and only a new start of the program helps.
   [[nodiscard]] bool alive() const { return broker_->alive(); }
+  /// After stop(): it may go. A thread that stands still would keep the destructor waiting.
+  [[nodiscard]] bool ended() const { return broker_->ended(); }
   /// Called on the loop whenever connected() changes.
   void on_connected_change(std::function<void(bool)> function) { connected_change_ = std::move(function); }
 

@@ -111,6 +111,8 @@ class Broker {
   [[nodiscard]] virtual bool alive() const = 0;
   /// Publishes what is left and then `last`, disconnects and ends, all within a few seconds.
   virtual boost::asio::awaitable<void> stop(std::vector<Message> last) = 0;
+  /// After stop(): it may go without keeping anybody waiting.
+  [[nodiscard]] virtual bool ended() const = 0;
 };
 
 }  // namespace mqtt

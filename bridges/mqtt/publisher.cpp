@@ -122,6 +122,11 @@ boost::asio::awaitable<void> Publisher::stop(std::vector<Message> last) {
   loop_->close();
 }
 
+bool Publisher::ended() const {
+  const Guard lock(mutex_);
+  return thread_ends_ || !thread_.joinable();
+}
+
 void Publisher::finish(std::vector<Message> last, std::chrono::milliseconds patience) {
   const Guard lock(mutex_);
   has_last_words_ = !last.empty();

@@ -77,6 +77,7 @@ class Publisher final : public Broker, private ClientEvents {
   [[nodiscard]] BrokerCounts counts() const override;
   [[nodiscard]] bool alive() const override;
   boost::asio::awaitable<void> stop(std::vector<Message> last) override;
+  [[nodiscard]] bool ended() const override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -168,6 +169,7 @@ class Publisher final : public Broker, private ClientEvents {
   Clock::time_point silent_from_ = Clock::time_point::max();  ///< Alive until then.
   bool finishing_ = false;
   bool has_last_words_ = false;
+  bool thread_ends_ = false;  ///< It waits for nothing any more.
   Clock::time_point finish_by_{};
 
   // The thread's own, without the lock.

@@ -48,6 +48,7 @@ void Publisher::run() {
   {
     const Guard lock(mutex_);
     expect_sign_of_life(kForEver);
+    thread_ends_ = true;
   }
   loop_->post([this] {
     ended_ = true;

@@ -20,6 +20,7 @@ class Tasks {
   void spawn(boost::asio::awaitable<void> work, std::function<void()> ended = nullptr);
   /// Returns when none runs any more.
   boost::asio::awaitable<void> all_ended();
+  [[nodiscard]] bool none_runs() const noexcept { return running_ == 0; }
 
  private:
   boost::asio::any_io_executor executor_;

@@ -97,8 +97,9 @@ class Commands {
   [[nodiscard]] const Commanded& commanded() const noexcept { return commanded_; }
   [[nodiscard]] ControlState control() const { return control_.state(); }
   [[nodiscard]] bool counts_on(const Writer& writer) const noexcept { return control_.counts_on(writer); }
-  /// The `control_command` that counts is no stop, or one that is none is on its way.
-  [[nodiscard]] bool is_told_to_run() const;
+  /// The `control_command` that counts is no stop, or one that is none is on its way, or may have been obeyed since the
+  /// motor was `seen` to stand.
+  [[nodiscard]] bool is_told_to_run(canopen::TimePoint seen) const;
   /// A command with these fields is a stop.
   [[nodiscard]] bool is_stop(std::span<const FieldWrite> fields) const;
   /// SDO abort code of the last command that the drive refused; 0: none, or superseded or void since.

@@ -12,6 +12,13 @@ namespace process {
 
 using boost::asio::awaitable;
 
+namespace {
+
+// Until a motor that was told to run shows it.
+constexpr canopen::Duration kObeys = std::chrono::seconds(1);
+
+}  // namespace
+
 ControlSettings Commands::control_settings(const config::Commands& commands) {
   return {.lease = commands.lease,
           .timeout = commands.timeout,
@@ -89,11 +96,22 @@ awaitable<void> Commands::write_timeout_values(std::unique_ptr<Visit> /*visit*/)
   control_changed();
 }
 
-bool Commands::is_told_to_run() const {
-  const auto known = commanded_.control() ? commanded_.known(*commanded_.control()) : std::nullopt;
+bool Commands::is_told_to_run(canopen::TimePoint seen) const {
+  const std::optional<SignalId> control = commanded_.control();
+  if (!control) {
+    return false;
+  }
+  const std::optional<canopen::Raw> known = commanded_.known(*control);
   const PendingCommand* const under_way = lane_.under_way();
-  return (known && use_of_control(*known) == ControlUse::run) ||
-         (under_way != nullptr && under_way->use == ControlUse::run);
+  if ((known && use_of_control(*known) == ControlUse::run) ||
+      (under_way != nullptr && (under_way->use == ControlUse::run || under_way->use == ControlUse::momentary))) {
+    return true;
+  }
+  // A momentary one, perhaps of a jog, never counts, nor does one of unknown outcome.
+  const std::optional<canopen::TimePoint> confirmed = commanded_.last_confirmed_at(*control);
+  const std::optional<canopen::TimePoint> doubtful = commanded_.doubtful_at(*control);
+  return (confirmed && *confirmed + kObeys > seen && use_of_control(commanded_.shown(*control)) != ControlUse::stop) ||
+         (doubtful && *doubtful + kObeys > seen);
 }
 
 }  // namespace process

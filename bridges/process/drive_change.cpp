@@ -7,9 +7,10 @@
 namespace process {
 
 void Drive::leave() {
-  static const std::vector<Observer*> kNobody;
-  observers_ = &kNobody;
+  static const std::vector<Observer*> nobody;
+  observers_ = &nobody;
   doubled_changed_ = {};
+  alarms_.on_fault_began({});
 }
 
 Turning Drive::turning() const {
@@ -19,7 +20,10 @@ Turning Drive::turning() const {
   if (!running_) {
     return Turning::untold;
   }
-  if (commands_.is_told_to_run()) {
+  // What comes only when it changes says with its silence that it did not.
+  const SourceState& source = image_.sources()[running_->source];
+  const canopen::TimePoint seen = source.fresh_until == canopen::TimePoint::max() ? canopen::Clock::now() : source.at;
+  if (commands_.is_told_to_run(seen)) {
     return Turning::yes;  // The motor may only be about to follow.
   }
   if (!image_.fresh(running_->signal, canopen::Clock::now())) {

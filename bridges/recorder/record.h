@@ -33,7 +33,6 @@ struct Record {
   static constexpr std::size_t kMostAlarms = 200;
 
   RecordName name;
-  std::size_t bus_index = 0;
   std::string bus;
   std::string interface;                   ///< As logs name it: config::log_interface().
   std::optional<std::uint32_t> bitrate{};  ///< As the configuration says.

@@ -24,8 +24,8 @@ void RecordKeeper::start(Handlers handlers) {
 
 void RecordKeeper::post(Record record) {
   // The first of a bus is under way, or tried again; a second may wait, and that is all the memory they get.
-  const auto of_bus = std::ranges::count_if(
-      waiting_, [&record](const Waiting& waiting) { return waiting.record->bus_index == record.bus_index; });
+  const auto of_bus =
+      std::ranges::count_if(waiting_, [&record](const Waiting& waiting) { return waiting.record->bus == record.bus; });
   std::string stem = to_text(record.name);
   waiting_.push_back({std::make_shared<const Record>(std::move(record)), std::move(stem), Clock::now()});
   if (of_bus >= 2) {

@@ -57,6 +57,8 @@ class RecordKeeper {
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
   /// False where the last record could not be written, the directory cannot be used, or the disk does not answer.
   [[nodiscard]] bool works() const noexcept;
+  /// Its thread is with the disk just now: to let the keeper go may wait for that.
+  [[nodiscard]] bool is_busy() const noexcept { return worker_.busy(); }
 
   static constexpr canopen::Duration kTryAgain = std::chrono::seconds(5);
   static constexpr canopen::Duration kGiveUp = std::chrono::minutes(1);

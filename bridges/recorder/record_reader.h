@@ -36,6 +36,8 @@ class RecordReader {
   /// Whoever waits gets nothing, at once, and nobody waits any more: an orderly end waits for no disk.
   void stop();
   [[nodiscard]] bool is_stopped() const noexcept { return stopped_; }
+  /// It reads just now: to let the reader go may wait for the disk.
+  [[nodiscard]] bool is_busy() const noexcept { return worker_.busy(); }
 
   /// kPiece bytes from `offset` on, fewer at the end of the file. `name`: of a file that is known to be a record's.
   /// Nothing where it cannot be read, or not in time. The reader outlives it.

@@ -37,6 +37,7 @@ std::unique_ptr<Recorder::Line> Recorder::make_line(std::size_t bus) {
 }
 
 void Recorder::on_plant_change(const process::PlantChange& change) {
+  hand_over();
   for (std::size_t bus = 0; bus < lines_.size(); ++bus) {
     if (lines_[bus]->under_way && std::ranges::find(change.buses, std::optional(bus)) == change.buses.end()) {
       finish(bus, "the configuration of the bus was changed");
@@ -49,7 +50,31 @@ void Recorder::on_plant_change(const process::PlantChange& change) {
   drives_ = process::realigned(std::move(drives_), change.drives, [](std::size_t) { return OfDrive{}; });
 }
 
+/// A drive or a bus that is another one from now on has the alarms of before in a moment: those do not begin.
+void Recorder::hand_over() {
+  handed_over_.clear();
+  const auto keep = [this](const Activation& one) {
+    if (one.fault) {
+      handed_over_.insert(one.id);
+    }
+  };
+  for (const OfDrive& drive : drives_) {
+    std::ranges::for_each(drive, keep);
+  }
+  for (const auto& line : lines_) {
+    keep(line->alarm);
+  }
+}
+
 void Recorder::start() {
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
+      drives_[i].at(static_cast<std::size_t>(kind)) = activation(plant_.drive(i).alarm(kind));
+    }
+  }
+  for (const auto& line : lines_) {
+    line->alarm = activation(plant_.bus_alarm(line->bus));
+  }
   started_ = true;
   keeper_.start({.kept = [this](const Record& record) { on_kept(record); }, .changed = [this] { forget_removed(); }});
 }
@@ -85,9 +110,14 @@ void Recorder::on_bus_alarm(std::size_t bus) {
   note(bus, {{}, std::nullopt, alarm, alarm}, is_begin);
 }
 
+Recorder::Activation Recorder::activation(const alarms::Alarm& alarm) {
+  return {alarm.id, alarm.known && alarm.active && alarm.severity == config::Severity::fault};
+}
+
 bool Recorder::begins(const alarms::Alarm& alarm, Activation& before) const {
-  Activation now{alarm.id, alarm.known && alarm.active && alarm.severity == config::Severity::fault};
-  const bool begins = started_ && now.fault && (!before.fault || now.id != before.id);
+  Activation now = activation(alarm);
+  const bool handed_over = before.id.empty() && handed_over_.contains(now.id);
+  const bool begins = started_ && now.fault && (!before.fault || now.id != before.id) && !handed_over;
   before = std::move(now);
   return begins;
 }
@@ -152,7 +182,6 @@ Recorder::UnderWay& Recorder::begin(std::size_t bus, RecordName name) {
   begun.from = now - settings_.before;
   begun.until = now + settings_.after;
   begun.record = {.name = std::move(name),
-                  .bus_index = bus,
                   .bus = model.name,
                   .interface = std::string(config::log_interface(model)),
                   .bitrate = model.bitrate,

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -98,6 +99,8 @@ class Recorder final : public process::Observer {
   using OfDrive = std::array<Activation, alarms::kAlarmKinds.size()>;
 
   [[nodiscard]] std::unique_ptr<Line> make_line(std::size_t bus);
+  [[nodiscard]] static Activation activation(const alarms::Alarm& alarm);
+  void hand_over();
   /// It changed, and a fault of it begins now.
   [[nodiscard]] bool begins(const alarms::Alarm& alarm, Activation& before) const;
   void note(std::size_t bus, RecordedAlarm now, bool is_begin);
@@ -117,6 +120,7 @@ class Recorder final : public process::Observer {
   Notices notices_;
   std::vector<std::unique_ptr<Line>> lines_;  ///< Of the buses.
   std::vector<OfDrive> drives_;
+  std::set<std::string> handed_over_;  ///< Ids of the faults that were active when the plant last changed.
   Quota quota_;
   RecordKeeper keeper_;
   bool started_ = false;

@@ -65,7 +65,14 @@ void add_commands(Families& families, const Site& site, const process::Drive& dr
 
 Answer metrics(const Site& site) {
   Answer answer{.type = "text/plain; version=0.0.4; charset=utf-8"};
-  answer.rest = [&site, families = Families(), piece = std::size_t{0}](std::string& text) mutable {
+  answer.rest = [&site, families = Families(), piece = std::size_t{0},
+                 configuration = site.plant.changes()](std::string& text) mutable {
+    if (configuration !=
+        site.plant.changes()) {  // What is collected has other positions: a drive would be there twice.
+      configuration = site.plant.changes();
+      families = Families();
+      piece = 0;
+    }
     if (add_piece(families, site, piece++)) {
       return Progress{.goes_on = true, .kept = families.size()};
     }

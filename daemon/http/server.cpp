@@ -51,11 +51,11 @@ void Server::start() {
   tasks_.spawn(keep_house());
 }
 
-void Server::close() {
+void Server::close(const char* why) {
   stopping_ = true;
   listener_.close();
   for (Connection& client : clients_) {
-    client.close("disconnected: the gateway ends");
+    client.close(why);
   }
   housekeeping_.cancel();
 }

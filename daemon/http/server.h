@@ -40,8 +40,11 @@ class Server {
 
   /// Listens. Never fails; what cannot be opened yet is told and tried again.
   void start();
-  void close();
-  /// The same; returns when no coroutine of it is left.
+  /// `why`: for the log.
+  void close(const char* why = "disconnected: the gateway ends");
+  /// After close(): no coroutine of it is left.
+  [[nodiscard]] bool ended() const noexcept { return tasks_.none_runs(); }
+  /// close(); returns when that is so.
   boost::asio::awaitable<void> stop();
 
   /// 0 while nothing listens.

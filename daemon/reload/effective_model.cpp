@@ -64,6 +64,7 @@ class Choice {
   [[nodiscard]] EffectiveModel model(const std::vector<bool>& turns) const;
 
  private:
+  [[nodiscard]] std::vector<config::Bus> buses() const;
   [[nodiscard]] bool is_same(std::size_t in_use) const {
     return std::ranges::find(same_.drives, std::optional(in_use)) != same_.drives.end();
   }
@@ -153,6 +154,35 @@ bool Choice::is_in_the_way(const Drive& wanted) const {
   return false;
 }
 
+/// A bus that stays has the place of the one that waits for it: the gateway's Modbus unit shows buses by their places.
+std::vector<config::Bus> Choice::buses() const {
+  std::vector<config::Bus> buses;
+  std::vector<bool> added(in_use_.buses.size(), false);
+  const auto add_first = [&](const auto& is_it) {
+    for (std::size_t k = 0; k < in_use_.buses.size(); ++k) {
+      if (bus_stays_[k] && !added[k] && is_it(in_use_.buses[k])) {
+        added[k] = true;
+        buses.push_back(in_use_.buses[k]);
+        return true;
+      }
+    }
+    return false;
+  };
+  for (std::size_t i = 0; i < wanted_.buses.size(); ++i) {
+    const config::Bus& wanted = wanted_.buses[i];
+    if (!bus_waits_[i]) {
+      buses.push_back(wanted);
+    } else if (!add_first([&](const config::Bus& bus) { return bus.name == wanted.name; })) {
+      add_first([&](const config::Bus& bus) {
+        return bus.interface == wanted.interface && !config::find_named(wanted_.buses, bus.name);
+      });
+    }
+  }
+  while (add_first([](const config::Bus&) { return true; })) {
+  }
+  return buses;
+}
+
 EffectiveModel Choice::model(const std::vector<bool>& turns) const {
   EffectiveModel made{.model = wanted_, .waiting = {}};
   Model& model = made.model;
@@ -161,16 +191,7 @@ EffectiveModel Choice::model(const std::vector<bool>& turns) const {
   if (modbus_stays_) {
     model.modbus = in_use_.modbus;
   }
-  for (std::size_t i = 0; i < wanted_.buses.size(); ++i) {
-    if (!bus_waits_[i]) {
-      model.buses.push_back(wanted_.buses[i]);
-    }
-  }
-  for (std::size_t i = 0; i < in_use_.buses.size(); ++i) {
-    if (bus_stays_[i]) {
-      model.buses.push_back(in_use_.buses[i]);
-    }
-  }
+  model.buses = buses();
   const auto add = [&model](Drive drive, const std::string& bus) {
     drive.bus = config::find_named(model.buses, bus).value();
     model.drives.push_back(std::move(drive));

@@ -1,5 +1,6 @@
 #include "daemon/reload/reload.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -28,9 +29,14 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-// For the drive's status.
-std::string reason_of(const WaitingDrive& waiting) {
-  return waiting.turns ? "waits for standstill" : "waits for the standstill of another drive";
+// What would end a program that starts is not to end one that drives motors.
+config::Loaded loaded_or_why(const std::function<config::Loaded()>& load) {
+  try {
+    return load();
+  } catch (const std::exception& failure) {
+    return {.model = std::nullopt,
+            .findings = {{.file = "the configuration", .text = std::string("it cannot be read: ") + failure.what()}}};
+  }
 }
 
 }  // namespace
@@ -56,6 +62,7 @@ void Reload::request() {
 
 boost::asio::awaitable<void> Reload::stop() {
   stopping_ = true;
+  gateway_.end_is_near();
   changed_.notify();
   while (running_) {
     co_await changed_.wait_until(canopen::kNever);
@@ -82,7 +89,7 @@ boost::asio::awaitable<std::shared_ptr<config::Loaded>> Reload::load() {
   // The thread may outlive us where a file system hangs.
   auto loaded = std::make_shared<config::Loaded>();
   auto done = std::make_shared<bool>(false);
-  worker_.run([loaded, load = handlers_.load] { *loaded = load(); },
+  worker_.run([loaded, load = handlers_.load] { *loaded = loaded_or_why(load); },
               [this, done] {
                 *done = true;
                 changed_.notify();
@@ -110,7 +117,12 @@ boost::asio::awaitable<void> Reload::take() {
     spdlog::error("reload: nothing was changed: another value of {} in [gateway] needs a restart", listed(keys));
   } else {
     wanted_ = std::move(*loaded->model);
-    co_await apply();
+    seen_.clear();
+    told_.clear();
+    co_await gateway_.change_sections(*wanted_);
+    if (!stopping_) {
+      co_await apply();
+    }
   }
   if (handlers_.ends) {
     handlers_.ends();
@@ -118,9 +130,22 @@ boost::asio::awaitable<void> Reload::take() {
 }
 
 boost::asio::awaitable<void> Reload::apply() {
-  const config::Model& in_use = gateway_.plant().model();
-  EffectiveModel effective = effective_model(in_use, *wanted_, turning());
-  if (!is_none(config::difference(in_use, effective.model), in_use)) {
+  const process::Plant& plant = gateway_.plant();
+  std::vector<Hold> seen;
+  std::vector<bool> stays;
+  for (std::size_t i = 0; i < plant.size(); ++i) {
+    seen.push_back(hold_of(plant.drive(i)));
+    stays.push_back(seen.back() != Hold::none);
+  }
+  if (!seen_.empty() && seen == seen_) {
+    co_return;
+  }
+  EffectiveModel effective = effective_model(plant.model(), *wanted_, stays);
+  if (is_none(config::difference(plant.model(), effective.model), plant.model())) {
+    seen_ = std::move(seen);
+  } else {
+    seen_.clear();
+    // Nothing may wait between the look above and the moment when those that leave take no command any more.
     auto model = std::make_shared<const config::Model>(std::move(effective.model));
     std::string failure;
     try {
@@ -134,33 +159,78 @@ boost::asio::awaitable<void> Reload::apply() {
       tell_waiting({});
       co_return;
     }
+    if (stopping_) {
+      co_return;
+    }
   }
   tell_waiting(std::move(effective.waiting));
   if (waiting_.empty()) {
     wanted_.reset();
-    spdlog::info("reload: done, {}", config::summary(gateway_.plant().model()).substr(4));
+    spdlog::info("reload: done, {}", config::summary(plant.model()).substr(4));
   }
 }
 
-std::vector<bool> Reload::turning() const {
-  const process::Plant& plant = gateway_.plant();
-  std::vector<bool> turning;
-  for (std::size_t i = 0; i < plant.size(); ++i) {
-    const process::Turning told = plant.drive(i).turning();
-    turning.push_back(told == process::Turning::yes || told == process::Turning::unknown);
+// What two drives say under one node id tells nothing of either, and the proof of it would be lost with its node. That
+// which mends it is not to wait for it.
+Reload::Hold Reload::hold_of(const process::Drive& drive) const {
+  if (drive.status().doubled != canopen::Doubled::no && keeps_its_place(drive)) {
+    return Hold::doubled;
   }
-  return turning;
+  switch (drive.turning()) {
+    case process::Turning::yes:
+      return Hold::turns;
+    case process::Turning::unknown:
+      return Hold::unknown;
+    case process::Turning::no:
+    case process::Turning::untold:
+      break;
+  }
+  return Hold::none;
+}
+
+// As it is wanted it has the node id, on the bus, where it is now.
+bool Reload::keeps_its_place(const process::Drive& drive) const {
+  const auto at = config::find_named(wanted_->drives, drive.model().name);
+  if (!at) {
+    return false;
+  }
+  const config::Drive& then = wanted_->drives[*at];
+  const config::Bus& bus_then = wanted_->buses[then.bus];
+  const config::Bus& bus = gateway_.plant().model().buses[drive.bus()];
+  return then.enabled && then.node.node == drive.model().node.node && bus_then.name == bus.name &&
+         bus_then.interface == bus.interface;
+}
+
+// For the drive's status.
+std::string Reload::reason_of(const WaitingDrive& waiting) const {
+  if (!waiting.turns) {
+    return "waits for the standstill of another drive";
+  }
+  const process::Drive* const drive = gateway_.plant().find(waiting.name);
+  switch (drive != nullptr ? hold_of(*drive) : Hold::none) {
+    case Hold::unknown:
+      return "waits, as nobody can tell whether its motor turns (`running` is not fresh): let it stand still, then "
+             "disconnect or switch it off, or restart the gateway";
+    case Hold::doubled:
+      return "waits, as two drives have its node id";
+    case Hold::none:
+    case Hold::turns:
+      break;
+  }
+  return "waits for standstill";
 }
 
 void Reload::tell_waiting(std::vector<WaitingDrive> waiting) {
-  process::Plant& plant = gateway_.plant();
-  for (const WaitingDrive& one : waiting) {
-    if (std::ranges::find(waiting_, one) == waiting_.end()) {
-      spdlog::warn("reload: drive {} {}{}", one.name, reason_of(one),
-                   one.in_use ? ": until then it goes on as before" : "");
+  waiting_ = std::move(waiting);
+  for (const WaitingDrive& one : waiting_) {
+    std::string line =
+        fmt::format("drive {} {}{}", one.name, reason_of(one), one.in_use ? ": until then it goes on as before" : "");
+    if (!told_.contains(line)) {
+      spdlog::warn("reload: {}", line);
+      told_.insert(std::move(line));
     }
   }
-  waiting_ = std::move(waiting);
+  process::Plant& plant = gateway_.plant();
   for (std::size_t i = 0; i < plant.size(); ++i) {
     process::Drive& drive = plant.drive(i);
     const auto found = std::ranges::find(waiting_, drive.model().name, &WaitingDrive::name);

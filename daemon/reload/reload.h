@@ -2,9 +2,11 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,10 @@
 #include "canopen/event.h"
 #include "config/load.h"
 #include "daemon/reload/effective_model.h"
+
+namespace process {
+class Drive;
+}
 
 namespace gateway {
 
@@ -43,7 +49,7 @@ class Reload {
   /// Several before the first is begun are one, and those during one are one more. Harmless before start() and after
   /// stop().
   void request();
-  /// Before the gateway stops: what is under way is brought to its end, and nothing more is begun.
+  /// Before the gateway stops: what is being stopped is awaited, and nothing more is begun.
   boost::asio::awaitable<void> stop();
 
   /// Drives that are not yet as they are wanted.
@@ -54,7 +60,11 @@ class Reload {
   boost::asio::awaitable<void> take();
   boost::asio::awaitable<std::shared_ptr<config::Loaded>> load();
   boost::asio::awaitable<void> apply();
-  [[nodiscard]] std::vector<bool> turning() const;
+  /// Why a drive is not to be replaced now.
+  enum class Hold : std::uint8_t { none, turns, unknown, doubled };
+  [[nodiscard]] Hold hold_of(const process::Drive& drive) const;
+  [[nodiscard]] bool keeps_its_place(const process::Drive& drive) const;
+  [[nodiscard]] std::string reason_of(const WaitingDrive& waiting) const;
   void tell_waiting(std::vector<WaitingDrive> waiting);
 
   boost::asio::any_io_executor executor_;
@@ -64,6 +74,8 @@ class Reload {
   canopen::Event changed_;
   std::optional<config::Model> wanted_;  ///< Nothing: what is wanted is in use.
   std::vector<WaitingDrive> waiting_;
+  std::vector<Hold> seen_;      ///< Of the plant's drives at the last look that changed nothing; else empty.
+  std::set<std::string> told_;  ///< Lines of the log about what waits.
   bool requested_ = false;
   bool running_ = false;
   bool stopping_ = false;

@@ -1,5 +1,5 @@
-// frame_bursts INTERFACE RATE SECONDS: that many frames a second of COB-ID 0x7A0, which nobody uses, eighty at a time by
-// one system call. Afterwards how many there were.
+// frame_bursts INTERFACE RATE SECONDS: that many frames a second of COB-ID 0x7A0, which nobody uses, eighty at a time
+// by one system call. Afterwards how many there were.
 
 #include <linux/can.h>
 #include <net/if.h>

@@ -10,6 +10,7 @@
 #include "bridges/process/observer.h"
 #include "canopen/bus/bus.h"
 #include "canopen/bus/virtual_link.h"
+#include "tests/support/change_plant.h"
 #include "tests/support/hand_driven_loop.h"
 #include "tests/support/scripted_slave.h"
 #include "tests/support/spawn.h"
@@ -56,6 +57,13 @@ class AlarmLogTest : public testing::Test, private process::Observer {
     slave_.send(0x085, {code, 0, static_cast<std::uint8_t>(code != 0 ? 1 : 0), code, 0, 0, 0, 0});
     loop_.settle();
   }
+  /// The drive has another section.
+  void change_drive() {
+    config::Model now = model_;
+    now.drives[0].commands.lease = 5s;
+    support::change_plant(loop_, *plant_, now, {{&bus_, {}}});
+    EXPECT_TRUE(plant_->drive(0).alarm(alarms::AlarmKind::emcy).active);
+  }
   void bus(BusCondition condition, std::uint16_t errors = 0) {
     plant_->set_bus_state(0, {condition, errors, 0});
     loop_.settle();
@@ -82,6 +90,7 @@ class AlarmLogTest : public testing::Test, private process::Observer {
   void on_alarm(const process::Drive& drive, alarms::AlarmKind kind) override { log_->on_alarm(drive, kind); }
   void on_bus(std::size_t bus) override { log_->on_bus(bus); }
   void on_bus_alarm(std::size_t bus) override { log_->on_bus(bus); }
+  void on_plant_change(const process::PlantChange& change) override { log_->on_plant_change(change); }
 
   canopen::VirtualBus wire_{loop_.executor()};
   canopen::Bus bus_{loop_.executor(), wire_.connect(), quiet()};
@@ -190,6 +199,14 @@ TEST_F(AlarmLogTest, ABusHasALineForItsStateAndNoneForItsCounters) {
   EXPECT_EQ(lines(), Lines{});
   loop_.advance(500ms);
   EXPECT_EQ(lines(), (Lines{"bus can0: up (error-active) (4 more in between)"}));
+}
+
+TEST_F(AlarmLogTest, WhatAChangedDriveHasOfBeforeIsNoNews) {
+  emcy(0x05);
+  ASSERT_EQ(lines().size(), 1U);
+  change_drive();
+  loop_.advance(2s);
+  EXPECT_EQ(lines(), Lines{});
 }
 
 }  // namespace

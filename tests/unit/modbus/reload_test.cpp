@@ -73,6 +73,7 @@ config::Model fan_and_pump() {
 
 class Reload : public testing::Test {
  protected:
+  explicit Reload(config::Model model = pump_alone()) : site_(std::move(model)) {}
   void begin() {
     site_.bring_up();
     site_.send_values(0, 0x1388, 0);
@@ -98,7 +99,7 @@ class Reload : public testing::Test {
     EXPECT_TRUE(site_.plant().drive(1).status().online) << site_.plant().drive(1).status().boot_text;
   }
 
-  Site site_{pump_alone()};
+  Site site_;
 };
 
 TEST_F(Reload, AConnectionStaysAndSoDoesTheUnitOfADriveThatStays) {
@@ -128,6 +129,32 @@ TEST_F(Reload, AUnitThatGoesIsUnknown) {
   EXPECT_EQ(ask(kUnit, "2b 0e 01 00"), "ab 0a");
   EXPECT_EQ(ask(kFanUnit, "03 03e8 0001"), "03 02 0000");
   EXPECT_EQ(ask(kGateway, kConfigured), "03 02 0001");
+}
+
+/// `pump1` on the second of two buses.
+config::Model on_the_second_bus() {
+  config::Model model = pump_alone();
+  config::Bus first = model.buses[0];
+  first.name = "hall";
+  model.buses.insert(model.buses.begin(), first);
+  model.drives[0].bus = 1;
+  return model;
+}
+
+class ReloadOfBuses : public Reload {
+ protected:
+  ReloadOfBuses() : Reload(on_the_second_bus()) {}
+};
+
+TEST_F(ReloadOfBuses, TheIdentityOfADriveNamesTheBusWhereItIsNow) {
+  constexpr const char* kProductName = "2b 0e 04 04";
+  begin();
+  const process::Drive* const pump = &site_.plant().drive(0);
+  const std::string before = ask(kUnit, kProductName);
+  ASSERT_EQ(before.find("2b"), 0U) << before;
+  change(pump_alone());  // The first bus is removed.
+  ASSERT_EQ(&site_.plant().drive(0), pump);
+  EXPECT_EQ(ask(kUnit, kProductName), before);
 }
 
 TEST_F(Reload, TheFlatUnitFollows) {

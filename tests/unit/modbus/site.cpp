@@ -49,7 +49,7 @@ Site::Site(config::Model model, std::vector<int> passed)
       can_(loop_.executor()),
       puppet_(can_, kPuppetNode),
       bus_(loop_.executor(), can_.connect(), {.bitrate = 250000, .node_id = 127, .heartbeat = {}, .sync = {}}),
-      plant_(loop_.executor(), model_, {{&bus_, [this] { return bus_.statistics(); }}}),
+      plant_(loop_.executor(), model_, ports(model_)),
       bus_state_(bus_.subscribe_state([this](const canopen::BusState& state) { plant_.set_bus_state(0, state); })),
       server_(loop_.executor(), plant_, *model_.modbus,
               {.info = [this](const std::string& text) { notices_.push_back("info: " + text); },
@@ -61,6 +61,10 @@ Site::Site(config::Model model, std::vector<int> passed)
   bus_.start();
   plant_.start();
   loop_.settle();
+}
+
+std::vector<process::Plant::BusPort> Site::ports(const config::Model& model) {
+  return {model.buses.size(), {&bus_, [this] { return bus_.statistics(); }}};
 }
 
 Site::~Site() {
@@ -99,7 +103,8 @@ void Site::stop_server() {
 }
 
 void Site::change(config::Model model) {
-  support::change_plant(loop_, plant_, std::move(model), {{&bus_, [this] { return bus_.statistics(); }}});
+  std::vector<process::Plant::BusPort> ports_of_all = ports(model);
+  support::change_plant(loop_, plant_, std::move(model), std::move(ports_of_all));
   loop_.settle();
 }
 

@@ -103,7 +103,7 @@ class Site {
   /// A client that stays connected.
   [[nodiscard]] TcpClient& client();
   void stop_server();
-  /// The plant has another configuration, with the same bus.
+  /// The plant has another configuration. All its buses are one.
   void change(config::Model model);
 
   support::HandDrivenLoop& loop() noexcept { return loop_; }
@@ -119,6 +119,7 @@ class Site {
 
  private:
   void step(bool values);
+  [[nodiscard]] std::vector<process::Plant::BusPort> ports(const config::Model& model);
 
   support::HandDrivenLoop loop_;
   config::Model model_;

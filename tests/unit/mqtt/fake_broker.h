@@ -54,6 +54,7 @@ class FakeBroker final : public Broker {
   void suspect_takeover(ConnectionId connection) override { suspected = connection; }
   [[nodiscard]] BrokerCounts counts() const override { return counted; }
   [[nodiscard]] bool alive() const override { return true; }
+  [[nodiscard]] bool ended() const override { return true; }
   boost::asio::awaitable<void> stop(std::vector<Message> last) override {
     last_words = std::move(last);
     if (while_stopping) {

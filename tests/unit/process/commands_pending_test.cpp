@@ -53,6 +53,34 @@ TEST_F(CommandsTest, UnconfirmedWriteIsAnsweredUnknownAndNeverRepeated) {
   EXPECT_EQ(std::ranges::count(sdo_writes(), test::kFrequency), 1);
 }
 
+// Whoever wants to replace the drive asks for it: its motor may start any moment.
+TEST_F(CommandsTest, ARunCommandOfUnknownOutcomeMayBeObeyedUntilTheMotorWasSeenToStand) {
+  bring_online();
+  ASSERT_EQ(drive_->turning(), Turning::no);
+  slave_.mute(test::kControl);
+  const auto sent = write({field("control_command", Raw{1})});
+  run(801ms);
+  ASSERT_TRUE(sent.done());
+  ASSERT_TRUE(sent.get().has_error());
+  EXPECT_TRUE(sent.get().error().outcome_unknown);
+  EXPECT_EQ(drive_->turning(), Turning::yes);
+  run(500ms);
+  EXPECT_EQ(drive_->turning(), Turning::yes) << "it has hardly begun";
+  run(800ms);
+  EXPECT_EQ(drive_->turning(), Turning::no);
+}
+
+TEST_F(CommandsTest, AMomentaryCommandMayMakeTheMotorTurnSoon) {
+  model_.signals[signal("control_command")].momentary = {3, 7};
+  bring_online();
+  ASSERT_TRUE(write_now({field("control_command", Raw{3})}).has_value());
+  EXPECT_EQ(drive_->turning(), Turning::yes);
+  run(1200ms);
+  EXPECT_EQ(drive_->turning(), Turning::no);
+  ASSERT_TRUE(write_now({field("control_command", Raw{5})}).has_value());
+  EXPECT_EQ(drive_->turning(), Turning::no) << "a stop moves nothing";
+}
+
 TEST_F(CommandsTest, RebootFailsWhatIsPendingAndWhatWaits) {
   bring_online();
   model_.commands.deadline = 5s;

@@ -174,7 +174,7 @@ inline Record record_of(int seconds, int frames = 3, bool first = false, std::si
   for (int i = 0; i < frames; ++i) {
     ring.on_frame(received(0x185, seconds + i, static_cast<std::uint8_t>(i)), canopen::FrameOrigin::others);
   }
-  Record record{.name = {wall_at(seconds), "pump1", "emcy"}, .bus_index = bus, .bus = "can0", .interface = "can0"};
+  Record record{.name = {wall_at(seconds), "pump1", "emcy"}, .bus = "can" + std::to_string(bus), .interface = "can0"};
   record.drive = "pump1";
   record.from = wall_at(seconds);
   record.until = wall_at(seconds + frames);

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "tests/support/change_plant.h"
 #include "tests/unit/recorder/recorder_bench.h"
 
 namespace recorder {
@@ -291,6 +292,42 @@ TEST_F(RecorderTest, AnAlarmNamesNoRecordWhoseLogSomebodyRemoved) {
   ASSERT_TRUE(loop_.run_until([&] { return records().empty(); }));
   EXPECT_EQ(plant_->bus_alarm(0).record, "");
   EXPECT_TRUE(bench_.names().empty());
+}
+
+// A plant that has another configuration gives it the alarms of before.
+TEST_F(RecorderTest, WhatIsHandedOverToAChangedDriveOrBusBeginsNothing) {
+  start();
+  plant_->start();
+  trip();
+  pass(30s);  // The drives never appeared.
+  await_kept(2);
+  const std::string of_bus = plant_->bus_alarm(0).record;
+  const std::string of_drive = plant_->drive(0).alarm(alarms::AlarmKind::heartbeat).record;
+  ASSERT_FALSE(of_bus.empty());
+  ASSERT_FALSE(of_drive.empty());
+  config::Model now = model_;
+  now.buses[0].sdo_load = 0.5;
+  now.drives[1].commands.lease = 5s;
+  support::change_plant(loop_.hand(), *plant_, now, {{buses_[0].get(), {}}, {buses_[1].get(), {}}});
+  set_bus(canopen::BusCondition::bus_off);
+  pass(30s);
+  EXPECT_EQ(records().size(), 2U);
+  EXPECT_EQ(plant_->bus_alarm(0).record, of_bus);
+  EXPECT_EQ(plant_->drive(0).alarm(alarms::AlarmKind::heartbeat).record, of_drive);
+  trip();
+  pass(10s);
+  await_kept(3);  // One that does begin is recorded as before.
+}
+
+TEST_F(RecorderTest, ANewOneKnowsWhichFaultsBeganBeforeIt) {
+  make();
+  set_bus(canopen::BusCondition::bus_off);
+  ASSERT_TRUE(plant_->bus_alarm(0).active);
+  recorder_->start();
+  ASSERT_TRUE(loop_.run_until([&] { return recorder_->keeper().records().has_value(); }));
+  plant_->set_bus_record(0, "another.log");
+  pass(10s);
+  EXPECT_TRUE(records().empty());
 }
 
 }  // namespace

@@ -113,7 +113,8 @@ TEST(EffectiveModelTest, ItsBusStaysWithAllThatIsOnIt) {
   wanted.drives[3].on_stale = config::OnStale::zero;
   wanted.drives.push_back(drive("fan2", 0, 9));
   const EffectiveModel made = effective(wanted, {"pump1"});
-  EXPECT_EQ(made.model.buses[config::find_named(made.model.buses, "can0").value()], in_use().buses[0]);
+  EXPECT_EQ(buses(made.model), (Names{"can0", "can1"})) << "the gateway's unit shows them by their places";
+  EXPECT_EQ(made.model.buses[0], in_use().buses[0]);
   EXPECT_EQ(find(made.model, "fan1").on_stale, in_use().drives[2].on_stale) << "a drive is as its bus";
   EXPECT_EQ(find(made.model, "mill").on_stale, config::OnStale::zero) << "on another bus";
   EXPECT_FALSE(config::find_named(made.model.drives, "fan2"));
@@ -141,6 +142,33 @@ TEST(EffectiveModelTest, ABusOfAnotherNameOnItsInterfaceWaits) {
   EXPECT_EQ(made.model.buses[find(made.model, "mill").bus].name, "can1");
   EXPECT_EQ(made.waiting.size(), 1U);
   EXPECT_EQ(buses(effective(wanted).model), (Names{"can0", "hall"}));
+}
+
+TEST(EffectiveModelTest, ABusThatStaysHasThePlaceOfTheOneThatWaitsForIt) {
+  config::Model wanted = in_use();
+  wanted.buses[0].name = "hall";
+  wanted.buses.push_back(bus("can2"));
+  EXPECT_EQ(buses(effective(wanted, {"pump1"}).model), (Names{"can0", "can1", "can2"}));
+  // A removed one is behind the others.
+  wanted = in_use();
+  wanted.buses.erase(wanted.buses.begin());
+  wanted.drives = {drive("mill", 0, 4)};
+  const EffectiveModel made = effective(wanted, {"pump1"});
+  EXPECT_EQ(buses(made.model), (Names{"can1", "can0"}));
+  EXPECT_EQ(find(made.model, "mill").bus, 0U);
+  EXPECT_EQ(find(made.model, "pump1").bus, 1U);
+}
+
+// Two buses that changed their interfaces with each other.
+TEST(EffectiveModelTest, EachBusThatStaysIsThereOnce) {
+  config::Model wanted = in_use();
+  std::swap(wanted.buses[0].interface, wanted.buses[1].interface);
+  const EffectiveModel made = effective(wanted, {"pump1"});
+  EXPECT_EQ(made.model.buses[0], in_use().buses[0]);
+  EXPECT_EQ(std::ranges::count(buses(made.model), "can0"), 1);
+  for (const config::Drive& drive : made.model.drives) {
+    EXPECT_EQ(made.model.buses[drive.bus].name, drive.name == "mill" ? "can1" : "can0");
+  }
 }
 
 TEST(EffectiveModelTest, WhoIsToHaveWhatItHasWaits) {
