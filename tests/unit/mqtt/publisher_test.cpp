@@ -100,9 +100,8 @@ TEST_F(MqttPublisher, ANameThatDoesNotResolveHoldsUpNeitherLoopNorEnd) {
   ASSERT_TRUE(run_until([&asked] { return asked.load(); }));
   publisher->publish({{.topic = "a", .payload = "1"}});
   EXPECT_LT(stop(), 6s) << "although name resolution still hangs";
-  EXPECT_FALSE(publisher->ended()) << "who let it go now would wait";
+  EXPECT_TRUE(publisher->ended()) << "it has a thread of its own";
   release.set_value();
-  EXPECT_TRUE(run_until([this] { return publisher->ended(); }));
 }
 
 TEST_F(MqttPublisher, TriesEveryAddressOfAName) {

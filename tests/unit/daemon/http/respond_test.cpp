@@ -197,7 +197,7 @@ TEST_F(HttpRespond, DrivesAreWordedOneAtATime) {
   Answer answer = begin("/api/drives");
   std::size_t pieces = 1;
   for (; answer.rest(answer.body).goes_on; ++pieces) {
-    EXPECT_THAT(answer.body, testing::EndsWith("},"));
+    EXPECT_THAT(answer.body, testing::EndsWith("}"));
   }
   EXPECT_EQ(pieces, drives_.size());
 }
