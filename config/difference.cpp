@@ -5,7 +5,7 @@
 namespace config {
 namespace {
 
-bool is_same_drive(const Drive& before, const Drive& now, const Difference::From& buses) {
+bool is_same_drive(const Drive& before, const Drive& now, const Positions& buses) {
   if (buses.at(now.bus) != before.bus) {
     return false;
   }
@@ -28,7 +28,7 @@ std::vector<std::string> keys_of(const Gateway& before, const Gateway& now) {
   return keys;
 }
 
-std::size_t kept(const Difference::From& from) {
+std::size_t kept(const Positions& from) {
   return static_cast<std::size_t>(std::ranges::count_if(from, [](const auto& one) { return one.has_value(); }));
 }
 
@@ -54,7 +54,7 @@ Difference difference(const Model& before, const Model& now) {
 }
 
 bool is_none(const Difference& difference, const Model& before) {
-  const auto all_kept = [](const Difference::From& from, std::size_t size) {
+  const auto all_kept = [](const Positions& from, std::size_t size) {
     return from.size() == size && kept(from) == size;
   };
   return all_kept(difference.drives, before.drives.size()) && all_kept(difference.buses, before.buses.size()) &&

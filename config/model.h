@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -276,5 +277,19 @@ struct Model {
   std::optional<Recorder> recorder;
   friend bool operator==(const Model&, const Model&) = default;
 };
+
+/// Of each bus or drive of a newer model the position of the very same in an older one; nothing: it is new, or another.
+using Positions = std::vector<std::optional<std::size_t>>;
+
+/// The position of the one with this name.
+template <class Named>
+[[nodiscard]] std::optional<std::size_t> find_named(const std::vector<Named>& all, const std::string& name) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == name) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
 
 }  // namespace config

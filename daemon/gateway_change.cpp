@@ -20,7 +20,7 @@ namespace {
 // Longer than any answer, or any thread's farewell, takes.
 constexpr canopen::Duration kForgetAfter = std::chrono::minutes(2);
 
-std::vector<std::size_t> leaving(const config::Difference::From& from, std::size_t count) {
+std::vector<std::size_t> leaving(const config::Positions& from, std::size_t count) {
   std::vector<std::size_t> leaving;
   for (std::size_t i = 0; i < count; ++i) {
     if (std::ranges::find(from, std::optional(i)) == from.end()) {

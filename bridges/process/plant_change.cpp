@@ -5,7 +5,7 @@
 
 #include "bridges/process/observer.h"
 #include "bridges/process/plant_body.h"
-#include "config/difference.h"
+#include "config/model.h"
 
 namespace process {
 boost::asio::awaitable<void> Plant::stop(std::vector<std::size_t> drives) {

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
+
+#include "config/model.h"
 
 namespace process {
 
 /// What became of the plant's drives and buses when its configuration changed while it runs: of each position in the
 /// new config::Model the position in the old one. Nothing: it is new, or another one under the same name.
 struct PlantChange {
-  using From = std::vector<std::optional<std::size_t>>;
+  using From = config::Positions;
   From drives;
   From buses;
 };

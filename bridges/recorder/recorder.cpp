@@ -7,8 +7,8 @@
 
 #include "bridges/process/plant_change.h"
 #include "bridges/text/timestamp.h"
-#include "config/difference.h"
 #include "config/log_interface.h"
+#include "config/model.h"
 
 namespace recorder {
 

@@ -47,8 +47,8 @@ void Feed::end() {
   next_ = 0;
 }
 
-void Feed::change(const config::Model& model, std::vector<canopen::Bus*> buses,
-                  const config::Difference::From& from_drives, const config::Difference::From& from_buses) {
+void Feed::change(const config::Model& model, std::vector<canopen::Bus*> buses, const config::Positions& from_drives,
+                  const config::Positions& from_buses) {
   const config::Model& before = *std::exchange(model_, &model);
   std::vector<std::unique_ptr<Tap>> taps;
   for (std::size_t i = 0; !readers_.empty() && i < buses.size(); ++i) {
@@ -61,7 +61,7 @@ void Feed::change(const config::Model& model, std::vector<canopen::Bus*> buses,
   }
   taps_ = std::move(taps);
   buses_ = std::move(buses);
-  const auto position = [](const config::Difference::From& from, std::optional<std::uint16_t> was) {
+  const auto position = [](const config::Positions& from, std::optional<std::uint16_t> was) {
     const auto found = std::ranges::find(from, was ? std::optional<std::size_t>(*was) : std::nullopt);
     return !was || found == from.end() ? std::nullopt : std::optional(static_cast<std::uint16_t>(found - from.begin()));
   };

@@ -10,7 +10,6 @@
 #include "bridges/trace/entry.h"
 #include "bridges/trace/filter.h"
 #include "canopen/bus/bus.h"
-#include "config/difference.h"
 #include "config/model.h"
 
 namespace trace {
@@ -32,8 +31,8 @@ class Feed {
   /// The configuration is another one, of which `from_drives` and `from_buses` tell what is the same as before (see
   /// config::Difference). Readers go on; frames that wait for them are of the drives that there are now. The model of
   /// before is still there.
-  void change(const config::Model& model, std::vector<canopen::Bus*> buses, const config::Difference::From& from_drives,
-              const config::Difference::From& from_buses);
+  void change(const config::Model& model, std::vector<canopen::Bus*> buses, const config::Positions& from_drives,
+              const config::Positions& from_buses);
 
   /// One who reads, from the next frame on. Once the feed is gone there is nothing more.
   class Reader {

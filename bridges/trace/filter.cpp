@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "canopen/hex.h"
-#include "config/difference.h"
+#include "config/model.h"
 
 namespace trace {
 namespace {

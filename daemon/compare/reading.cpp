@@ -100,7 +100,7 @@ Answer ask_for(const Ask& ask, const std::string& request) {
 Reading read_object(const Ask& ask, const std::string& drive, canopen::ObjectAddress object, canopen::DataType type) {
   Answer answer = ask_for(ask, request_of(drive, object, canopen::name_of(type)));
   const bool other_width =
-      answer.came && !answer.ok && text_of(answer.members, "code") == canopen::name_of(canopen::ErrorKind::protocol);
+      answer.came && !answer.ok && text_of(answer.members, "code") == canopen::name_of(canopen::ErrorKind::type);
   if (other_width) {
     answer = ask_for(ask, request_of(drive, object, "bytes"));
   }

@@ -5,7 +5,7 @@
 namespace config {
 namespace {
 
-using From = Difference::From;
+using From = Positions;
 constexpr std::optional<std::size_t> kNew = std::nullopt;
 
 Bus bus(const std::string& name) {

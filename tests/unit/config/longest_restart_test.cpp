@@ -46,8 +46,8 @@ TEST(LongestRestart, IsThatOfTheMostImpatientDrive) {
 TEST(LongestRestart, AskedForByGuardingIsARequestShorterThanTheLifeTime) {
   // 0x100D is a whole factor: 4 x 300 ms.
   EXPECT_EQ(line_of(patient("mixer1", 5,
-                          "guarding = \"300ms\"\nheartbeat = \"0s\"\nheartbeat_timeout = \"900ms\"\n"
-                          "supervise_gateway = \"1s\"\n")),
+                            "guarding = \"300ms\"\nheartbeat = \"0s\"\nheartbeat_timeout = \"900ms\"\n"
+                            "supervise_gateway = \"1s\"\n")),
             "longest restart: 0.9 s, then mixer1 misses it (supervise_gateway 1s, by guarding)");
 }
 

@@ -317,6 +317,8 @@ TEST_F(RecorderTest, WhatIsHandedOverToAChangedDriveOrBusBeginsNothing) {
   trip();
   pass(10s);
   await_kept(3);  // One that does begin is recorded as before.
+  const auto stopped = loop_.start(plant_->stop());
+  ASSERT_TRUE(loop_.run_until([&] { return *stopped; }));
 }
 
 TEST_F(RecorderTest, ANewOneKnowsWhichFaultsBeganBeforeIt) {

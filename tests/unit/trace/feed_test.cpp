@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridges/trace/words.h"
+#include "config/difference.h"
 #include "tests/support/bus_fixture.h"
 #include "tests/support/frame.h"
 #include "tests/unit/trace/site.h"

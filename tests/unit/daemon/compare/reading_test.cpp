@@ -44,7 +44,7 @@ TEST(ReadObject, TakesAnotherWidthAsBytes) {
   const Reading reading = read_object(
       [](const std::string& request) {
         return std::optional<std::string>(request.find("bytes") == std::string::npos
-                                              ? R"({"id":1,"ok":false,"code":"protocol","error":"wrong length"})"
+                                              ? R"({"id":1,"ok":false,"code":"type","error":"wrong length"})"
                                               : R"({"id":1,"ok":true,"value":"F4010000"})");
       },
       "pump1", {0x1017, 0}, canopen::DataType::u16);
