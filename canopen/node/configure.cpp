@@ -9,6 +9,7 @@
 #include "canopen/node/motor_check.h"
 #include "canopen/node/node_guarding.h"
 #include "canopen/node/pdo_setup.h"
+#include "canopen/node/read_life_guarding.h"
 #include "canopen/node/setup_session.h"
 #include "canopen/sdo/client.h"
 

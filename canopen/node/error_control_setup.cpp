@@ -6,6 +6,7 @@
 #include "canopen/node/consumer_setup.h"
 #include "canopen/node/life_guarding.h"
 #include "canopen/node/node_guarding.h"
+#include "canopen/node/read_life_guarding.h"
 #include "canopen/node/wanted_objects.h"
 
 namespace canopen {

@@ -6,6 +6,7 @@
 #include "canopen/communication_objects.h"
 #include "canopen/node/life_guarding.h"
 #include "canopen/node/node_guarding.h"
+#include "canopen/node/read_life_guarding.h"
 #include "canopen/sdo/client.h"
 
 namespace canopen {

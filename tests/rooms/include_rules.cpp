@@ -20,10 +20,10 @@ struct Room {
 };
 
 // Plain values: what a profile says about a node, how it is named, and how long a frame is.
-constexpr std::array<std::string_view, 7> kConfig{
-    "canopen/clock.h",        "canopen/bus/echo.h",           "canopen/node/emcy.h",
-    "canopen/error.h",        "canopen/node/node_settings.h", "canopen/object.h",
-    "canopen/bus/wire_bits.h"};
+constexpr std::array<std::string_view, 8> kConfig{
+    "canopen/clock.h",         "canopen/bus/echo.h",           "canopen/node/emcy.h",
+    "canopen/error.h",         "canopen/node/node_settings.h", "canopen/object.h",
+    "canopen/bus/wire_bits.h", "canopen/node/life_guarding.h"};
 // A thread that waits for the disk, and how times and texts are written and read: they know nothing of the field.
 constexpr std::array<std::string_view, 1> kDisk{"canopen/clock.h"};
 constexpr std::array<std::string_view, 3> kText{"canopen/clock.h", "canopen/error.h", "canopen/hex.h"};
