@@ -161,6 +161,31 @@ expect_match "the supervised drive too" 'mixer1: taken over as it runs' "$(log_s
 running || fail "pump1 runs on after the restart"
 expect "alarms" 0 "$(read_register 0 3)"
 
+# ---- Reloaded: a wrong file changes nothing, and a drive that runs keeps its section until it stands still.
+cp /etc/canopen-gateway/gateway.toml /root/good.toml
+main=$(property MainPID)
+still_up() { expect "after $1" "active $main" "$(property ActiveState) $(property MainPID)"; }
+echo 'nonsense = 1' >>/etc/canopen-gateway/gateway.toml
+systemctl reload canopen-gateway 2>/dev/null && fail "a reload of a wrong configuration"
+still_up "a wrong configuration"
+running || fail "pump1 runs on"
+sed 's/^max = 50\.0$/max = 40.0/' /root/good.toml >/etc/canopen-gateway/gateway.toml
+mark
+systemctl reload canopen-gateway || fail "reload"
+still_up "the reload"
+wait_until 10 "the log says that pump1 waits" sh -c "journalctl --sync; journalctl -o cat --no-pager -u canopen-gateway |
+  grep -q 'reload: drive pump1 waits for standstill'"
+expect_match "status says it, too" 'pump1.*waits for standstill' "$(canopen-gateway status)"
+running || fail "pump1 runs on"
+canopen-gateway set pump1 control_command=5 || fail "the stop"
+wait_until 20 "the changed drive is online" sh -c "journalctl --sync; journalctl -o cat --no-pager -u canopen-gateway |
+  grep -q 'reload: done'"
+wait_until 20 "all drives" is StatusText "2 of 2 drives online"
+expect_match "the new limit holds" 'out of range 0\.\.40' "$(canopen-gateway set pump1 frequency_command=45 2>&1)"
+still_up "the change"
+expect "mixer1 was left alone" 0 "$(log_since | grep -Ec '(^| )mixer1: ')"
+say "reloaded: a wrong file changed nothing, a running drive waited for its standstill"
+
 # ---- A wrong configuration: it stays down, and a client does not start it.
 cp /etc/canopen-gateway/gateway.toml /root/good.toml
 echo 'nonsense = 1' >>/etc/canopen-gateway/gateway.toml
