@@ -32,7 +32,8 @@ void EventLog::on_status(const process::Drive& drive) {
     return;
   }
   told = {status.online, status.nmt_now()};
-  spdlog::info("{}: {}, {}", drive.model().name, status.online ? "online" : "offline", canopen::name_of(status.nmt_now()));
+  spdlog::info("{}: {}, {}", drive.model().name, status.online ? "online" : "offline",
+               canopen::name_of(status.nmt_now()));
 }
 
 void EventLog::on_alarm(const process::Drive& drive, alarms::AlarmKind kind) {

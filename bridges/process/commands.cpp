@@ -50,6 +50,13 @@ std::optional<Raw> exact_raw(canopen::DataType type, std::span<const std::uint8_
   return same ? raw : std::nullopt;
 }
 
+// Some drives answer in four bytes whatever the object's type is (Goodrive600): what is beyond the type then only
+// fills.
+bool only_extends(canopen::DataType type, Raw raw, std::span<const std::uint8_t> rest) {
+  const bool negative = canopen::is_signed(type) && static_cast<std::int64_t>(raw) < 0;
+  return std::ranges::all_of(rest, [&](std::uint8_t byte) { return byte == (negative ? 0xFFU : 0U); });
+}
+
 }  // namespace
 
 Commands::Commands(boost::asio::any_io_executor executor, const config::Drive& model, canopen::RemoteNode& node,
@@ -188,8 +195,9 @@ awaitable<Result<Raw>> Commands::sdo_read(canopen::ObjectAddress object, canopen
   if (bytes.has_error()) {
     co_return bytes.error();
   }
-  if (bytes.value().size() == length) {
-    co_return canopen::decode_raw(type, bytes.value()).value();
+  const std::optional<Raw> raw = canopen::decode_raw(type, bytes.value());
+  if (raw && only_extends(type, *raw, std::span(bytes.value()).subspan(length))) {
+    co_return *raw;
   }
   // A part of a value is another value.
   Error wrong = error(ErrorKind::type, "the drive answers " + std::to_string(bytes.value().size()) + " bytes, and " +

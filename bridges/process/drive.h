@@ -96,8 +96,8 @@ class Drive final : private canopen::NodeEvents, private Inputs::Listener, priva
   boost::asio::awaitable<Outcome> nmt(Origin origin, canopen::NmtCommand command) {
     return commands_.nmt(std::move(origin), command);
   }
-  /// Any object. A read needs no writer's permission, and is a `type` error where the drive answers another number of
-  /// bytes; a write of an object that is no writable signal needs `raw`, and
+  /// Any object. A read needs no writer's permission, and is a `type` error where the drive answers fewer bytes,
+  /// or more that say something; a write of an object that is no writable signal needs `raw`, and
   /// one that is goes the signal's way with its limits.
   boost::asio::awaitable<canopen::Result<canopen::Raw>> sdo_read(canopen::ObjectAddress object,
                                                                  canopen::DataType type) {

@@ -6,7 +6,7 @@ cd "$(dirname "$(realpath "$0")")/../../systemd"
 directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT
 # The program is not installed here; systemd looks whether it is there.
-sed 's|^ExecStart=[^ ]*|ExecStart=/bin/true|' canopen-gateway.service >"$directory/canopen-gateway.service"
+sed -E 's|^(Exec[A-Za-z]+)=/usr/bin/canopen-gateway|\1=/bin/true|' canopen-gateway.service >"$directory/canopen-gateway.service"
 grep -q '^ExecStart=/usr/bin/canopen-gateway run$' canopen-gateway.service
 grep -q '^RuntimeDirectory=canopen-gateway$' canopen-gateway.service # where the control socket is by default
 

@@ -264,6 +264,12 @@ TEST_F(CommandsTest, APartOfAnObjectIsNotShownAsItsValue) {
   EXPECT_EQ(kind_of({0x2002, 3}, DataType::i8), ErrorKind::type);
   EXPECT_EQ(kind_of({0x2002, 3}, DataType::u32), ErrorKind::type);
   EXPECT_EQ(kind_of({0x1008, 0}, DataType::u16), ErrorKind::type);
+  // Four bytes for a small value, as some drives answer, are that value.
+  slave_.set_bytes({0x2002, 3}, {0xF4, 0x01, 0x00, 0x00});
+  EXPECT_EQ(kind_of({0x2002, 3}, DataType::u16), std::nullopt);
+  slave_.set_bytes({0x2002, 3}, {0xFE, 0xFF, 0xFF, 0xFF});
+  EXPECT_EQ(kind_of({0x2002, 3}, DataType::i16), std::nullopt);
+  EXPECT_EQ(kind_of({0x2002, 3}, DataType::u16), ErrorKind::type);
 }
 
 TEST_F(CommandsTest, WhatWasAskedIsKeptWhateverWasWrongWithIt) {
