@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <string>
@@ -123,6 +124,7 @@ void Gateway::start(std::span<const int> passed) {
   }
   for (const int descriptor : passed) {
     if (const int kept = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0); kept >= 0) {
+      ::listen(kept, SOMAXCONN);  // One that was of no use to the gateway before was shut down; see close_rest().
       passed_.push_back(kept);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <exception>
@@ -201,7 +202,8 @@ void Gateway::begin_modbus() {
   make_modbus();
   std::vector<int> passed;
   for (const int kept : passed_) {
-    if (const int descriptor = ::fcntl(kept, F_DUPFD_CLOEXEC, 0); modbus_ && descriptor >= 0) {
+    if (const int descriptor = ::fcntl(kept, F_DUPFD_CLOEXEC, 0); descriptor >= 0) {
+      ::listen(descriptor, SOMAXCONN);  // It may have been of no use before.
       passed.push_back(descriptor);
     }
   }

@@ -1,6 +1,7 @@
 // What makes the bridges of a gateway, and shows them to HTTP.
 
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <deque>
@@ -47,6 +48,7 @@ void close_unused(std::span<const int> passed) {
     spdlog::warn("the service manager passed sockets, but there is no [modbus], so they are closed");
   }
   for (const int descriptor : passed) {
+    ::shutdown(descriptor, SHUT_RD);  // A duplicate is kept.
     ::close(descriptor);
   }
 }

@@ -75,7 +75,9 @@ std::optional<tcp::acceptor> PassedSockets::take(const tcp::endpoint& at) {
 }
 
 void PassedSockets::close_rest() {
-  for (const tcp::acceptor& acceptor : acceptors_) {
+  for (tcp::acceptor& acceptor : acceptors_) {
+    // Who passed it, and who keeps a duplicate, would hold it open, and clients would wait for an answer.
+    ::shutdown(acceptor.native_handle(), SHUT_RD);
     log_.own_warn(
         text_of(acceptor),
         "the service manager passed a socket for it, but [modbus] listen has no entry with just this address and "
