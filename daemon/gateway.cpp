@@ -1,14 +1,13 @@
 #include "daemon/gateway.h"
 
-#include <fcntl.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <string>
 #include <utility>
 
 #include "bridges/alarms/alarm_id.h"
+#include "bridges/modbus/passed_sockets.h"
 #include "bridges/trace/feed.h"
 #include "canopen/survey/bus_survey.h"
 #include "daemon/journal_place.h"
@@ -122,12 +121,7 @@ void Gateway::start(std::span<const int> passed) {
   if (journal_) {
     journal_->start();
   }
-  for (const int descriptor : passed) {
-    if (const int kept = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0); kept >= 0) {
-      ::listen(kept, SOMAXCONN);  // One that was of no use to the gateway before was shut down; see close_rest().
-      passed_.push_back(kept);
-    }
-  }
+  passed_ = modbus::duplicates_of(passed);
   start_modbus(passed);
   if (mqtt_) {
     mqtt_->start();

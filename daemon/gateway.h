@@ -116,6 +116,9 @@ class Gateway {
     std::unique_ptr<http::Server> http{};
   };
 
+  /// That section is as wanted, nothing else is another.
+  template <class Section>
+  void take_section(Section config::Model::* section, const config::Model& wanted);
   void change_http(const config::Model& wanted);
   boost::asio::awaitable<void> change_recorder(const config::Model& wanted);
   boost::asio::awaitable<void> change_mqtt(const config::Model& wanted);

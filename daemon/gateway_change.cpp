@@ -1,14 +1,13 @@
 // How a gateway takes another configuration while it runs.
 
-#include <fcntl.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 
 #include <algorithm>
 #include <exception>
 #include <string>
 #include <utility>
 
+#include "bridges/modbus/passed_sockets.h"
 #include "bridges/process/plant_change.h"
 #include "bridges/trace/feed.h"
 #include "canopen/survey/bus_survey.h"
@@ -21,16 +20,6 @@ namespace {
 // Longer than any answer, or any thread's farewell, takes.
 constexpr canopen::Duration kForgetAfter = std::chrono::minutes(2);
 
-std::vector<std::size_t> leaving(const config::Positions& from, std::size_t count) {
-  std::vector<std::size_t> leaving;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (std::ranges::find(from, std::optional(i)) == from.end()) {
-      leaving.push_back(i);
-    }
-  }
-  return leaving;
-}
-
 void tell_gone_alarms(const process::Drive& drive) {
   for (const alarms::AlarmKind kind : alarms::kAlarmKinds) {
     if (const alarms::Alarm& alarm = drive.alarm(kind); alarm.known && alarm.active) {
@@ -40,7 +29,7 @@ void tell_gone_alarms(const process::Drive& drive) {
 }
 
 void tell_drives(const process::Plant& plant, const config::Model& now, const config::Difference& difference) {
-  for (const std::size_t i : leaving(difference.drives, plant.size())) {
+  for (const std::size_t i : process::left_behind(difference.drives, plant.size())) {
     const process::Drive& drive = plant.drive(i);
     const std::string& name = drive.model().name;
     if (drive.turning() == process::Turning::untold) {
@@ -65,7 +54,7 @@ void tell_drives(const process::Plant& plant, const config::Model& now, const co
 }
 
 void tell_buses(const process::Plant& plant, const config::Model& now, const config::Difference& difference) {
-  for (const std::size_t i : leaving(difference.buses, plant.model().buses.size())) {
+  for (const std::size_t i : process::left_behind(difference.buses, plant.model().buses.size())) {
     const std::string& name = plant.model().buses[i].name;
     const bool removed = !config::find_named(now.buses, name);
     spdlog::info("reload: bus {} is {}", name, removed ? "removed" : "changed");
@@ -88,6 +77,13 @@ constexpr const char* kNewSection = "disconnected: its section of the configurat
 
 }  // namespace
 
+template <class Section>
+void Gateway::take_section(Section config::Model::* section, const config::Model& wanted) {
+  config::Model next = plant_.model();
+  next.*section = wanted.*section;
+  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+}
+
 boost::asio::awaitable<void> Gateway::change_sections(const config::Model& wanted) {
   const config::Difference difference = config::difference(plant_.model(), wanted);
   if (difference.http) {
@@ -109,12 +105,9 @@ void Gateway::change_http(const config::Model& wanted) {
     history_->stop();
     leave({.model = http_model_, .http = std::move(http_)});
   }
-  config::Model next = plant_.model();
-  next.http = wanted.http;
-  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+  take_section(&config::Model::http, wanted);
   make_http();
   start_http();
-  fill_site();
 }
 
 boost::asio::awaitable<void> Gateway::change_recorder(const config::Model& wanted) {
@@ -129,9 +122,7 @@ boost::asio::awaitable<void> Gateway::change_recorder(const config::Model& wante
   if (ending_) {
     co_return;
   }
-  config::Model next = plant_.model();
-  next.recorder = wanted.recorder;
-  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+  take_section(&config::Model::recorder, wanted);
   make_recorder();
   if (recording_) {
     recording_->recorder().start();
@@ -152,9 +143,7 @@ boost::asio::awaitable<void> Gateway::change_mqtt(const config::Model& wanted) {
   if (ending_) {
     co_return;
   }
-  config::Model next = plant_.model();
-  next.mqtt = wanted.mqtt;
-  take(std::make_shared<const config::Model>(std::move(next)), Buses(buses_.size()));
+  take_section(&config::Model::mqtt, wanted);
   make_mqtt();
   if (mqtt_) {
     mqtt_->start();
@@ -168,14 +157,12 @@ boost::asio::awaitable<void> Gateway::change_mqtt(const config::Model& wanted) {
 boost::asio::awaitable<void> Gateway::change(std::shared_ptr<const config::Model> model) {
   const config::Difference difference = config::difference(plant_.model(), *model);
   Buses made = make_new_buses(*model);  // Before anything is touched: it may throw.
-  std::vector<std::size_t> drives = leaving(difference.drives, plant_.size());
-  for (const std::size_t i : drives) {
-    plant_.drive(i).close();  // First of all: whoever asked for this has just seen that they stand still.
-  }
+  std::vector<std::size_t> drives = process::left_behind(difference.drives, plant_.size());
   tell_buses(plant_, *model, difference);
   tell_drives(plant_, *model, difference);
+  // Nothing has waited until here: whoever asked for this has just seen that they stand still. This closes all at once.
   co_await plant_.stop(std::move(drives));
-  for (const std::size_t i : leaving(difference.buses, buses_.size())) {
+  for (const std::size_t i : process::left_behind(difference.buses, buses_.size())) {
     co_await buses_[i]->stop();
   }
   if (ending_) {
@@ -200,14 +187,7 @@ boost::asio::awaitable<void> Gateway::change(std::shared_ptr<const config::Model
 
 void Gateway::begin_modbus() {
   make_modbus();
-  std::vector<int> passed;
-  for (const int kept : passed_) {
-    if (const int descriptor = ::fcntl(kept, F_DUPFD_CLOEXEC, 0); descriptor >= 0) {
-      ::listen(descriptor, SOMAXCONN);  // It may have been of no use before.
-      passed.push_back(descriptor);
-    }
-  }
-  start_modbus(passed);
+  start_modbus(modbus::duplicates_of(passed_));
   if (modbus_) {
     modbus_->set_mqtt_connected(mqtt_ && mqtt_->connected());
   }
@@ -225,7 +205,7 @@ Gateway::Buses Gateway::make_new_buses(const config::Model& model) const {
 void Gateway::take(Model model, Buses made) {
   const Model before = plant_.shared_model();  // Until nothing looks at it.
   const config::Difference difference = config::difference(*before, *model);
-  for (const std::size_t i : leaving(difference.buses, buses_.size())) {
+  for (const std::size_t i : process::left_behind(difference.buses, buses_.size())) {
     left_buses_.push_back(std::move(buses_[i]));
   }
   const config::Model& now = *model;

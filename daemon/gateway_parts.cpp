@@ -1,13 +1,13 @@
 // What makes the bridges of a gateway, and shows them to HTTP.
 
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <deque>
 #include <string>
 #include <utility>
 
+#include "bridges/modbus/passed_sockets.h"
 #include "bridges/mqtt/publisher.h"
 #include "bridges/trace/feed.h"
 #include "canopen/survey/bus_survey.h"
@@ -48,7 +48,7 @@ void close_unused(std::span<const int> passed) {
     spdlog::warn("the service manager passed sockets, but there is no [modbus], so they are closed");
   }
   for (const int descriptor : passed) {
-    ::shutdown(descriptor, SHUT_RD);  // A duplicate is kept.
+    modbus::stop_listening(descriptor);
     ::close(descriptor);
   }
 }

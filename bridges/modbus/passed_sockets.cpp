@@ -1,5 +1,6 @@
 #include "bridges/modbus/passed_sockets.h"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -39,6 +40,21 @@ std::string text_of(const tcp::acceptor& acceptor) {
 
 }  // namespace
 
+std::vector<int> duplicates_of(std::span<const int> descriptors) {
+  std::vector<int> duplicates;
+  for (const int descriptor : descriptors) {
+    if (const int duplicate = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0); duplicate >= 0) {
+      ::listen(duplicate, SOMAXCONN);
+      duplicates.push_back(duplicate);
+    }
+  }
+  return duplicates;
+}
+
+void stop_listening(int descriptor) {
+  ::shutdown(descriptor, SHUT_RD);
+}
+
 PassedSockets::PassedSockets(const boost::asio::any_io_executor& executor, std::span<const int> descriptors,
                              net::ConnectionLog& log)
     : log_(log) {
@@ -76,8 +92,7 @@ std::optional<tcp::acceptor> PassedSockets::take(const tcp::endpoint& at) {
 
 void PassedSockets::close_rest() {
   for (tcp::acceptor& acceptor : acceptors_) {
-    // Who passed it, and who keeps a duplicate, would hold it open, and clients would wait for an answer.
-    ::shutdown(acceptor.native_handle(), SHUT_RD);
+    stop_listening(acceptor.native_handle());
     log_.own_warn(
         text_of(acceptor),
         "the service manager passed a socket for it, but [modbus] listen has no entry with just this address and "

@@ -10,6 +10,12 @@
 
 namespace modbus {
 
+/// Duplicates of passed sockets, for a server that begins later. All listen, also those that stop_listening() ended:
+/// of such one a service manager passes the same again.
+[[nodiscard]] std::vector<int> duplicates_of(std::span<const int> descriptors);
+/// Whoever has a duplicate of it would hold it open, and clients would wait for an answer that nobody gives.
+void stop_listening(int descriptor);
+
 /// Listening sockets that a service manager bound and passed (sd_listen_fds(3)).
 class PassedSockets {
  public:

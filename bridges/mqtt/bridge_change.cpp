@@ -1,6 +1,5 @@
 // What becomes of the bridge when the plant changes while it runs. The connection and its subscriptions stay.
 
-#include <algorithm>
 #include <utility>
 
 #include "bridges/mqtt/bridge.h"
@@ -29,14 +28,8 @@ void Bridge::on_plant_change(const process::PlantChange& change) {
 }
 
 void Bridge::say_last_of_gone(const process::PlantChange& change) {
-  std::vector<bool> stays(feeds_.size(), false);
-  for (const auto& from : change.drives) {
-    if (from) {
-      stays[*from] = true;
-    }
-  }
-  for (std::size_t i = 0; i < feeds_.size(); ++i) {
-    if (!stays[i] && plant_.find(feeds_[i].drive_name()) == nullptr) {
+  for (const std::size_t i : process::left_behind(change.drives, feeds_.size())) {
+    if (plant_.find(feeds_[i].drive_name()) == nullptr) {
       feeds_[i].collect_last(batch_);
     }
   }

@@ -50,11 +50,11 @@ Requests::Requests(boost::asio::any_io_executor executor, process::Plant& plant,
     : executor_(std::move(executor)),
       plant_(plant),
       topics_(topics),
-      stop_signs_(plant.model(), topics),
+      stop_signs_(plant.shared_model(), topics),
       under_way_(std::make_shared<UnderWay>(executor_, plant, std::move(publish))) {}
 
 void Requests::change(const process::PlantChange& change) {
-  stop_signs_.change(plant_.model());
+  stop_signs_.change(plant_.shared_model());
   under_way_->change(plant_, change);
 }
 

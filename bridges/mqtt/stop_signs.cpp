@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <utility>
-#include <variant>
 
 #include "bridges/mqtt/asked.h"
 #include "bridges/mqtt/requests.h"
@@ -10,16 +9,12 @@
 
 namespace mqtt {
 
-StopSigns::StopSigns(const config::Model& model, const Topics& topics) : topics_(topics) {
-  change(model);
-}
+StopSigns::StopSigns(std::shared_ptr<const config::Model> model, const Topics& topics)
+    : topics_(topics), model_(std::move(model)) {}
 
-void StopSigns::change(const config::Model& model) {
-  std::vector<config::Drive> drives;
-  std::ranges::copy_if(model.drives, std::back_inserter(drives),
-                       [](const config::Drive& drive) { return !process::refuse_writer(drive, mqtt_writer()); });
+void StopSigns::change(std::shared_ptr<const config::Model> model) {
   const std::lock_guard lock(mutex_);
-  drives_.swap(drives);
+  model_.swap(model);
 }
 
 bool StopSigns::is_stop(const Incoming& incoming) const {
@@ -30,13 +25,15 @@ bool StopSigns::is_stop(const Incoming& incoming) const {
   if (route->kind == Route::Kind::stop_all) {
     return true;
   }
-  const Parsed parsed = parse_command(*route, incoming.payload);
-  const std::lock_guard lock(mutex_);
-  const auto drive = std::ranges::find(drives_, route->drive, &config::Drive::name);
-  if (drive == drives_.end()) {
+  const std::shared_ptr<const config::Model> model = [this] {
+    const std::lock_guard lock(mutex_);
+    return model_;
+  }();
+  const auto drive = std::ranges::find(model->drives, route->drive, &config::Drive::name);
+  if (drive == model->drives.end() || process::refuse_writer(*drive, mqtt_writer())) {
     return false;
   }
-  const auto asked = asked_of(&*drive, *route, parsed);
+  const auto asked = asked_of(&*drive, *route, parse_command(*route, incoming.payload));
   return asked.has_value() && stops(*drive, asked.value());
 }
 

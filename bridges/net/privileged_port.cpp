@@ -35,9 +35,8 @@ std::string privileged_port_remedy(const config::Endpoint& entry, bool may_be_pa
            entry.host + ", " + way_out;
   }
   if (at == kPackaged) {
-    return "systemd opens this port for the service: `systemctl enable canopen-gateway.socket`, then restart; where it "
-           "is "
-           "enabled and was edited, add ListenStream=" +
+    return "systemd opens this port for the service: `systemctl enable canopen-gateway.socket`, then restart; where "
+           "it is enabled and was edited, add ListenStream=" +
            at + " to it; " + way_out;
   }
   return std::string("systemd opens ports below 1024 for the service, and canopen-gateway.socket has ") + kPackaged +

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bridges/process/command_checks.h"
+#include "bridges/process/stop_check.h"
 
 namespace process {
 namespace {
@@ -266,8 +267,7 @@ std::optional<std::vector<canopen::ObjectValue>> Commanded::repetition(std::uint
 }
 
 bool Commanded::is_stop(canopen::Raw control) const noexcept {
-  return canopen::is_stop(model_.node.motor, control) && control_ &&
-         !config::is_momentary(model_.signals[*control_], control);
+  return control_ && process::is_stop(model_, model_.signals[*control_], control);
 }
 
 bool Commanded::maps(const Rpdo& rpdo, SignalId signal) noexcept {

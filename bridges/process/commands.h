@@ -44,7 +44,7 @@ namespace process {
 ///
 /// Parts: commands.cpp the ways in, the order and the answers; commands_checks.cpp what is said of a command at its
 /// arrival and while it waits; commands_steps.cpp how one is carried out, and what makes it void; commands_stop.cpp
-/// stops; commands_control.cpp leases and time-outs.
+/// stops; commands_control.cpp leases and time-outs; commands_objects.cpp any object by SDO.
 class Commands {
  public:
   /// Told in the same call in which it happened.
@@ -152,6 +152,9 @@ class Commands {
   /// A raw write of a signal's object in another type, or of other bytes.
   Outcome refuse_type(Origin origin, const canopen::ObjectValue& value, std::vector<std::uint8_t> bytes,
                       SignalId signal);
+  /// `expected`: its bytes, where the drive does not tell them; 0: not known.
+  boost::asio::awaitable<canopen::Result<std::vector<std::uint8_t>>> read_whole(canopen::ObjectAddress object,
+                                                                                std::size_t expected);
   boost::asio::awaitable<Outcome> write_raw(Origin origin, canopen::ObjectValue value, std::vector<std::uint8_t> bytes);
   boost::asio::awaitable<Outcome> send_raw(PendingCommand& command);
   boost::asio::awaitable<Outcome> send_nmt(PendingCommand& command, canopen::NmtCommand nmt);

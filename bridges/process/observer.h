@@ -39,7 +39,8 @@ class Observer {
   virtual void on_remark(const Drive& /*drive*/, const std::string& /*text*/) {}
 
   /// The configuration changed while the plant runs: Plant::model() is another one, and drives and buses have other
-  /// positions. A drive that stays is the same object; one that was left is gone after this call. The new ones have not
+  /// positions. A drive that stays is the same object; one that left is stopped, and
+  /// goes some time after this call. The new ones have not
   /// started.
   virtual void on_plant_change(const PlantChange& /*change*/) {}
 

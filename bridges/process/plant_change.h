@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -28,6 +31,17 @@ template <class Kept, class Make>
     }
   }
   return now;
+}
+
+/// The positions of before, of `count`, that nothing has kept.
+[[nodiscard]] inline std::vector<std::size_t> left_behind(const PlantChange::From& from, std::size_t count) {
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::ranges::find(from, std::optional(i)) == from.end()) {
+      left.push_back(i);
+    }
+  }
+  return left;
 }
 
 }  // namespace process

@@ -6,6 +6,10 @@
 
 namespace process {
 
+bool is_stop(const config::Drive& model, const config::Signal& control, canopen::Raw word) noexcept {
+  return canopen::is_stop(model.node.motor, word) && !config::is_momentary(control, word);
+}
+
 bool is_stop(const config::Drive& model, std::span<const FieldWrite> fields) {
   const auto control = model.find("control_command");
   if (!control) {
@@ -18,8 +22,7 @@ bool is_stop(const config::Drive& model, std::span<const FieldWrite> fields) {
   }
   const config::Signal& signal = model.signals[*control];
   const canopen::Result<canopen::Raw> raw = check_given(without_limits(signal), *written);
-  return raw.has_value() && canopen::is_stop(model.node.motor, raw.value()) &&
-         !config::is_momentary(signal, raw.value());
+  return raw.has_value() && is_stop(model, signal, raw.value());
 }
 
 }  // namespace process

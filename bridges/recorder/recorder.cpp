@@ -38,8 +38,8 @@ std::unique_ptr<Recorder::Line> Recorder::make_line(std::size_t bus) {
 
 void Recorder::on_plant_change(const process::PlantChange& change) {
   hand_over();
-  for (std::size_t bus = 0; bus < lines_.size(); ++bus) {
-    if (lines_[bus]->under_way && std::ranges::find(change.buses, std::optional(bus)) == change.buses.end()) {
+  for (const std::size_t bus : process::left_behind(change.buses, lines_.size())) {
+    if (lines_[bus]->under_way) {
       finish(bus, "the configuration of the bus was changed");
     }
   }

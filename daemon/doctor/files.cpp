@@ -1,23 +1,22 @@
 #include "daemon/doctor/files.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <iterator>
+#include <optional>
 #include <system_error>
+#include <utility>
 
-#include "canopen/bus/socketcan/descriptor.h"
 #include "daemon/control/accounts.h"
 
 namespace gateway::doctor {
 namespace {
 
 namespace fs = std::filesystem;
-using canopen::socketcan::Descriptor;
 using Use = Wanted::Use;
 
 int mode_of(Use use) noexcept {
@@ -34,47 +33,20 @@ int mode_of(Use use) noexcept {
   return R_OK | W_OK | X_OK;
 }
 
-std::vector<int> try_each(const std::vector<Wanted>& wanted) {
-  std::vector<int> errors;
-  errors.reserve(wanted.size());
-  for (const Wanted& each : wanted) {
-    errors.push_back(::access(each.path.c_str(), mode_of(each.use)) == 0 ? 0 : errno);
-  }
-  return errors;
+int try_to_use(const Wanted& wanted) {
+  return ::access(wanted.path.c_str(), mode_of(wanted.use)) == 0 ? 0 : errno;
 }
 
 // access(2) asks for the real user, and who has given up root does not get it back: so a child does it.
-std::vector<int> try_as(const passwd& user, const std::vector<Wanted>& wanted) {
-  std::array<int, 2> ends{};
-  if (::pipe(ends.data()) != 0) {
-    return {};
-  }
-  const Descriptor from(ends[0]);
-  Descriptor to(ends[1]);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::vector<int> errors;
-    if (become(user)) {
-      errors = try_each(wanted);
-    }
-    const std::size_t size = errors.size() * sizeof(int);
-    ::_exit(::write(to.get(), errors.data(), size) == static_cast<ssize_t>(size) ? 0 : 1);
-  }
-  to = Descriptor();
-  std::vector<int> errors(wanted.size());
-  std::size_t got = 0;
-  while (child > 0 && got < errors.size() * sizeof(int)) {
-    const ssize_t count =
-        ::read(from.get(), reinterpret_cast<char*>(errors.data()) + got, errors.size() * sizeof(int) - got);
-    if (count <= 0) {
+std::vector<int> try_as_service_user(const std::vector<Wanted>& wanted) {
+  std::vector<int> errors;
+  for (const Wanted& each : wanted) {
+    const std::optional<int> error = as_service_user([&each] { return try_to_use(each); });
+    if (!error) {
       break;
     }
-    got += static_cast<std::size_t>(count);
+    errors.push_back(*error);
   }
-  if (child > 0) {
-    ::waitpid(child, nullptr, 0);
-  }
-  errors.resize(got / sizeof(int));
   return errors;
 }
 
@@ -143,12 +115,13 @@ std::vector<Wanted> wanted_files(const config::Model& model, const fs::path& con
 }
 
 FileFacts try_files(const std::vector<Wanted>& wanted) {
-  const passwd* const user = service_user();
-  if (user != nullptr) {
-    return {.user = kServiceUser, .is_service_user = true, .errors = try_as(*user, wanted)};
+  if (is_service_user_known()) {
+    return {.user = kServiceUser, .is_service_user = true, .errors = try_as_service_user(wanted)};
   }
   const std::string name = control::name_of_user(::geteuid());
-  return {.user = name, .is_service_user = name == kServiceUser, .errors = try_each(wanted)};
+  std::vector<int> errors;
+  std::ranges::transform(wanted, std::back_inserter(errors), try_to_use);
+  return {.user = name, .is_service_user = name == kServiceUser, .errors = std::move(errors)};
 }
 
 bool lacks_credential(const std::vector<Wanted>& wanted, const FileFacts& facts,

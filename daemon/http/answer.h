@@ -34,11 +34,12 @@ struct Answer {
   unsigned status = 200;
   std::string_view type = "application/json";
   std::string body{};
-  Pieces rest{};                                ///< Further text behind `body`: the loop has a turn between its pieces.
-  const std::string* lasting = nullptr;         ///< In place of `body`: it outlives every connection, or is this one:
-  std::shared_ptr<const std::string> shared{};  ///< kept for as long as somebody is being told it.
-  bool page = false;                            ///< A browser shows it, with what else this server has.
-  bool stream = false;                          ///< Events follow, for as long as the client stays.
+  Pieces rest{};  ///< Further text behind `body`: the loop has a turn between its pieces.
+  /// In place of `body`: it outlives every connection, or `shared` keeps it.
+  const std::string* lasting = nullptr;
+  std::shared_ptr<const std::string> shared{};
+  bool page = false;    ///< A browser shows it, with what else this server has.
+  bool stream = false;  ///< Events follow, for as long as the client stays.
   /// Begins them, of a stream that is this reader's own; none: those of all readers, see LiveSource.
   std::function<std::unique_ptr<EventSource>()> events{};
   bool come_again = false;         ///< There is too much to do: `Retry-After` tells when to ask the same again.

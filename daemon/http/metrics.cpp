@@ -67,8 +67,8 @@ Answer metrics(const Site& site) {
   Answer answer{.type = "text/plain; version=0.0.4; charset=utf-8"};
   answer.rest = [&site, families = Families(), piece = std::size_t{0},
                  configuration = site.plant.changes()](std::string& text) mutable {
-    if (configuration !=
-        site.plant.changes()) {  // What is collected has other positions: a drive would be there twice.
+    // What is collected has other positions then: a drive would be there twice.
+    if (configuration != site.plant.changes()) {
       configuration = site.plant.changes();
       families = Families();
       piece = 0;

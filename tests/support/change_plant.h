@@ -22,19 +22,8 @@ namespace support {
 inline void change_plant(HandDrivenLoop& loop, process::Plant& plant, config::Model now,
                          std::vector<process::Plant::BusPort> buses) {
   const config::Difference found = config::difference(plant.model(), now);
-  std::vector<bool> stays(plant.size(), false);
-  for (const auto& from : found.drives) {
-    if (from) {
-      stays[*from] = true;
-    }
-  }
-  std::vector<std::size_t> go;
-  for (std::size_t i = 0; i < stays.size(); ++i) {
-    if (!stays[i]) {
-      go.push_back(i);
-    }
-  }
-  const std::shared_ptr<bool> stopped = spawn(loop.executor(), plant.stop(std::move(go)));
+  std::vector<std::size_t> left = process::left_behind(found.drives, plant.size());
+  const std::shared_ptr<bool> stopped = spawn(loop.executor(), plant.stop(std::move(left)));
   EXPECT_TRUE(loop.advance_until([&stopped] { return *stopped; }, std::chrono::seconds(5)));
   plant.change(std::make_shared<const config::Model>(std::move(now)), std::move(buses),
                {.drives = found.drives, .buses = found.buses});
