@@ -18,20 +18,23 @@ diff -r "$work/arm64/usr/share/man" "$work/amd64/usr/share/man" || fail "the man
 jq -r '.components[].purl' "$work/arm64/usr/share/doc/canopen-gateway/sbom.cdx.json" >"$work/purls"
 [ "$(grep -c 'arch=arm64$' "$work/purls")" -gt 10 ] && ! grep 'arch=amd64' "$work/purls" || fail "the bill of materials"
 
-# Installed beside the programs of this machine, whose Debian runs it by qemu.
+# Installed beside the programs of this machine, whose Debian runs it by qemu. What a hook prints is mmdebstrap's.
+install -m 666 /dev/null "$work/said"
 cat >"$work/try" <<'HOOK'
 #!/bin/sh
 set -eu
 cp "$(dirname "$0")/arm64.deb" "$1/"
 chroot "$1" apt-get -q=2 -y --no-install-recommends install /arm64.deb >&2
-chroot "$1" qemu-aarch64-static /usr/bin/canopen-gateway --version
-chroot "$1" qemu-aarch64-static /usr/bin/canopen-gateway check --config /usr/share/canopen-gateway/gateway.toml.example
+{
+  chroot "$1" qemu-aarch64-static /usr/bin/canopen-gateway --version
+  chroot "$1" qemu-aarch64-static /usr/bin/canopen-gateway check --config /usr/share/canopen-gateway/gateway.toml.example
+} >"$(dirname "$0")/said"
 HOOK
 chmod 755 "$work/try"
 cp "$deb" "$work/arm64.deb"
 start=$SECONDS
 mmdebstrap --quiet --format=null --variant=minbase --architectures="$(dpkg --print-architecture),arm64" \
-  --include=qemu-user-static --customize-hook="$work/try" bookworm >"$work/said" 2>"$work/log" || {
+  --include=qemu-user-static --customize-hook="$work/try" bookworm >"$work/log" 2>&1 || {
   cat "$work/log"
   fail "on arm64"
 }
