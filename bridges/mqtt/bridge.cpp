@@ -19,6 +19,9 @@ using canopen::kNever;
 constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
 // Whether a broker may be left now, where it may be at the next good moment.
 constexpr canopen::Duration kLeaveCheck = std::chrono::seconds(1);
+// Numbers that changed wait so long for company behind a batch: on a busy bus a batch for each frame would cost more
+// than all else that is done with a value.
+constexpr canopen::Duration kCompany = std::chrono::milliseconds(4);
 
 }  // namespace
 
@@ -100,7 +103,8 @@ void Bridge::on_values(const process::Drive& drive, std::span<const process::Sig
   if (session_.ready()) {
     Feed& feed = feeds_[drive.index()];
     const canopen::TimePoint now = canopen::Clock::now();
-    wake(feed.mark_values(signals, now));
+    const canopen::TimePoint due = feed.mark_values(signals, now);
+    wake(due == kAtOnce ? now : std::max({due, now, sent_at_ + kCompany}));
     if (feed.must_not_wait()) {  // the next frame of this turn may take it back
       feed.collect(now, batch_);
     }
@@ -154,8 +158,10 @@ boost::asio::awaitable<void> Bridge::run() {
   boost::system::error_code ignored;
   while (!stopping_) {
     wake_at_ = turn();
-    timer_.expires_at(wake_at_);
-    co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+    do {
+      timer_.expires_at(wake_at_);
+      co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+    } while (!stopping_ && canopen::Clock::now() < wake_at_);
   }
   turn();
 }
@@ -172,7 +178,7 @@ canopen::TimePoint Bridge::turn() {
     next_ = kNever;
   }
   if (!batch_.empty() && !stopping_) {
-    send_batch();
+    send_batch(now);
   }
   return std::min({next_, session_.deadline(), other_.next(), leaves});
 }
@@ -185,10 +191,11 @@ void Bridge::announce() {
   alarms_.mark_all();
   health_.forget();
   status_.forget();
-  leftovers_.announced(canopen::Clock::now());
-  home_assistant_.announced(canopen::Clock::now());
-  collect(canopen::Clock::now());
-  send_batch();
+  const canopen::TimePoint now = canopen::Clock::now();
+  leftovers_.announced(now);
+  home_assistant_.announced(now);
+  collect(now);
+  send_batch(now);
   broker_->open(session_.connection());
 }
 
@@ -196,9 +203,10 @@ Message Bridge::info() const {
   return {.topic = topics_.info(), .payload = info_json(plant_.model(), topics_, version_, other_.instance())};
 }
 
-void Bridge::send_batch() {
-  put_right_.note(batch_, canopen::Clock::now(), notice_);
+void Bridge::send_batch(canopen::TimePoint now) {
+  put_right_.note(batch_, now, notice_);
   broker_->publish(std::exchange(batch_, {}));
+  sent_at_ = now;
 }
 
 void Bridge::collect(canopen::TimePoint now) {

@@ -97,7 +97,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   /// The topics that are put right where others write there are due whatever they say.
   void tell_again();
   void collect(canopen::TimePoint now);
-  void send_batch();
+  void send_batch(canopen::TimePoint now);
   /// A message of the look, or on a connection that is given up.
   void looked_at(const Incoming& message);
   /// A message that is not on our tree.
@@ -134,6 +134,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   std::vector<Feed> feeds_;     ///< By drive.
   std::vector<Message> batch_;  ///< Of this turn.
   canopen::TimePoint next_;     ///< When something of the alarms or feeds is due.
+  canopen::TimePoint sent_at_{};  ///< The last batch.
   std::function<void(bool)> connected_change_;
   std::function<process::ProgramHealth()> program_health_;
   std::optional<Connected> connection_;

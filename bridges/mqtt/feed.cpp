@@ -20,13 +20,13 @@ canopen::TimePoint Feed::mark_values(std::span<const process::SignalId> signals,
   const process::Image& image = drive_.image();
   canopen::TimePoint due = canopen::TimePoint::max();
   for (const process::SignalId signal : signals) {
-    due = std::min(due, pace_.note(signal, image.raw(signal), image.fresh(signal, now), now));
+    due = std::min(due, pace_.note(signal, image.raw(signal), image.fresh(signal, now)));
   }
   // A source without a readable signal of its own cannot change `fresh` unseen: all_fresh() counts sources with
   // signals.
   if (settings_.state && image.all_fresh(now) != fresh_) {
     pace_.note_state();
-    due = now;
+    due = kAtOnce;
   }
   return due;
 }

@@ -8,7 +8,6 @@
 namespace mqtt {
 namespace {
 
-constexpr canopen::TimePoint kAtOnce = canopen::TimePoint::min();
 using canopen::kNever;
 
 // A change of exactly the deadband is none, whatever the last bit of a double says.
@@ -30,7 +29,7 @@ Pace::Pace(const config::Drive& drive, const config::Mqtt& settings)
   }
 }
 
-canopen::TimePoint Pace::note(process::SignalId signal, canopen::Raw raw, bool fresh, canopen::TimePoint now) {
+canopen::TimePoint Pace::note(process::SignalId signal, canopen::Raw raw, bool fresh) {
   Entry& entry = signals_[signal];
   if (!entry.readable) {
     return kNever;
@@ -51,7 +50,7 @@ canopen::TimePoint Pace::note(process::SignalId signal, canopen::Raw raw, bool f
   if (settings_.state) {
     at = std::min(at, state_due_at());
   }
-  return std::max(at, now);
+  return at;
 }
 
 void Pace::forget() {

@@ -10,6 +10,9 @@
 
 namespace mqtt {
 
+/// Due before all that has a time.
+inline constexpr canopen::TimePoint kAtOnce = canopen::TimePoint::min();
+
 /// Decides when the values of one drive are published: when they changed by more than their deadband, not more often
 /// than `min_interval`, at least every `max_interval` and before they expire; booleans, enumerations and the coming and
 /// going of freshness at once. Holds no value itself but the last published one of each signal.
@@ -17,8 +20,8 @@ class Pace {
  public:
   Pace(const config::Drive& drive, const config::Mqtt& settings);
 
-  /// What a signal is now. Returns when something of it is due; max() where nothing is.
-  canopen::TimePoint note(process::SignalId signal, canopen::Raw raw, bool fresh, canopen::TimePoint now);
+  /// What a signal is now. Returns when something of it is due, kAtOnce where that must not wait; kNever where nothing is.
+  canopen::TimePoint note(process::SignalId signal, canopen::Raw raw, bool fresh);
   /// Something of the state message but a value changed: it is due at once.
   void note_state() noexcept { state_urgent_ = true; }
   /// Nothing counts as published any more: all is due at once.

@@ -60,11 +60,12 @@ void Publisher::unsubscribe(ConnectionId connection, std::string filter) {
 }
 
 void Publisher::publish(std::vector<Message> batch) {
+  const auto now = Clock::now();
   Lock lock(mutex_);
   if (!finishing_) {  // nothing comes behind the last words
-    traffic_.push(std::move(batch), Clock::now());
+    traffic_.push(std::move(batch), now);
   }
-  wake_if_needed(std::move(lock));
+  wake_if_needed(std::move(lock), now);
 }
 
 void Publisher::open(ConnectionId connection) {
@@ -166,11 +167,12 @@ void Publisher::on_incoming(Incoming&& message) noexcept {
 
 void Publisher::on_sent(const Message* message, Delivery delivery, int code) noexcept {
   Lock lock(mutex_);
-  traffic_.acknowledged(message, delivery, code, Clock::now());
+  const auto now = Clock::now();
+  traffic_.acknowledged(message, delivery, code, now);
   if (delivery != Delivery::failed) {
-    pulse_.heard(Clock::now());
+    pulse_.heard(now);
   }
-  wake_if_needed(std::move(lock));
+  wake_if_needed(std::move(lock), now);
 }
 
 void Publisher::on_subscribed(Subscribed&& subscribed) noexcept {

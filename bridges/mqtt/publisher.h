@@ -132,10 +132,12 @@ class Publisher final : public Broker, private ClientEvents {
   void run();
   Turn serve();
   [[nodiscard]] Line::End serve_until_end();
-  [[nodiscard]] bool is_silent();
-  /// Longest time until is_silent() or look_home() has something to do.
-  [[nodiscard]] std::chrono::milliseconds until_check();
-  void look_home();
+  /// Returns the time then: there is work, or it is time to look at what nobody calls for.
+  Clock::time_point wait_for_work(Lock& lock);
+  [[nodiscard]] bool is_silent(Clock::time_point now);
+  /// When is_silent() or look_home() has something to do.
+  [[nodiscard]] Clock::time_point check_at(Clock::time_point now);
+  void look_home(Clock::time_point now);
   void begin_look(Homecoming::Step step);
   /// The loop is to know whether the broker in use may be left.
   void tell_may_leave(bool may);
@@ -149,10 +151,12 @@ class Publisher final : public Broker, private ClientEvents {
   [[nodiscard]] std::string named(const Candidate& which, const std::string& why) const;
 
   // With the lock held.
-  void expect_sign_of_life(std::chrono::milliseconds allowance) { silent_from_ = Clock::now() + allowance; }
-  [[nodiscard]] bool farewell_over();
-  [[nodiscard]] bool has_work();
-  void wake_if_needed(Lock lock);
+  void expect_sign_of_life(std::chrono::milliseconds allowance, Clock::time_point now = Clock::now()) {
+    silent_from_ = now + allowance;
+  }
+  [[nodiscard]] bool farewell_over(Clock::time_point now);
+  [[nodiscard]] bool has_work(Clock::time_point now);
+  void wake_if_needed(Lock lock, Clock::time_point now);
 
   void say(Level level, std::string text);
 

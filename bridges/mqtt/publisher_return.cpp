@@ -16,11 +16,10 @@ constexpr auto kTrialPatience = 7s;
 
 }  // namespace
 
-void Publisher::look_home() {
+void Publisher::look_home(Clock::time_point now) {
   if (rotation_.at() == 0 || line_.leave_by) {
     return;
   }
-  const auto now = Clock::now();
   if (const std::optional<Reach> reach = look_.take()) {
     if (look_tries_) {
       homecoming_.tried(reach->good, now);

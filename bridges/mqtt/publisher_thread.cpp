@@ -33,10 +33,17 @@ void block_signals() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
+// Work that comes in batches (sched(7)): woken, such a thread does not push aside who is running, the loop above all.
+void work_in_batches() {
+  const sched_param none{};
+  (void)pthread_setschedparam(pthread_self(), SCHED_BATCH, &none);  // where that is not allowed, it works as well
+}
+
 }  // namespace
 
 void Publisher::run() {
   block_signals();
+  work_in_batches();
   for (bool goes_on = true; goes_on;) {
     const Turn turn = take_turn();
     drop_client();
@@ -104,11 +111,8 @@ Publisher::Turn Publisher::serve() {
 Line::End Publisher::serve_until_end() {
   Lock lock(mutex_);
   for (;;) {
-    if (!traffic_.may_send(Clock::now())) {
-      expect_sign_of_life(settings_.silence);  // what could leave and does not is no sign of life; send() gives it
-    }
-    wake_.wait_for(lock, until_check(), [this] { return has_work(); });
-    line_.stalled = is_silent();
+    const auto now = wait_for_work(lock);
+    line_.stalled = is_silent(now);
     if (!line_.is_up() || line_.stalled) {
       if (line_.stalled && has_elsewhere()) {
         // What lies in its socket is what it reads when it goes on, Paho's goodbye among it, behind which it says no
@@ -119,11 +123,11 @@ Line::End Publisher::serve_until_end() {
       }
       return line_.end(settings_.client.client_id);
     }
-    look_home();
-    find_addresses_ahead(Clock::now());
+    look_home(now);
+    find_addresses_ahead(now);
     if (!carry_out(lock) || !send(lock)) {
       line_.state = Line::State::down;
-    } else if (line_.drop || farewell_over()) {
+    } else if (line_.drop || farewell_over(Clock::now())) {
       const bool say_will = line_.drop || (finishing_ && !has_last_words_) || !traffic_.nothing_waits();
       lock.unlock();
       client_->disconnect(kGoodbye, say_will);
@@ -133,8 +137,20 @@ Line::End Publisher::serve_until_end() {
   }
 }
 
-bool Publisher::is_silent() {
-  const auto now = Clock::now();
+Publisher::Clock::time_point Publisher::wait_for_work(Lock& lock) {
+  auto now = Clock::now();
+  if (!traffic_.may_send(now)) {
+    expect_sign_of_life(settings_.silence, now);  // what could leave and does not is no sign of life; send() gives it
+  }
+  const auto due = check_at(now);
+  while (!has_work(now) && now < due) {
+    wake_.wait_until(lock, due);
+    now = Clock::now();
+  }
+  return now;
+}
+
+bool Publisher::is_silent(Clock::time_point now) {
   if (!has_elsewhere()) {
     return traffic_.stalled(now);
   }
@@ -146,8 +162,7 @@ bool Publisher::is_silent() {
   return traffic_.stalled(now, settings_.stalled) || pulse_.stopped(settings_.stalled, now);
 }
 
-std::chrono::milliseconds Publisher::until_check() {
-  const auto now = Clock::now();
+Publisher::Clock::time_point Publisher::check_at(Clock::time_point now) {
   Clock::time_point due = now + (rotation_.at() == 0 ? kStallCheck : std::chrono::milliseconds(kLookCheck));
   if (has_elsewhere()) {
     due = std::min(due, traffic_.stalled_at(settings_.stalled));
@@ -155,7 +170,7 @@ std::chrono::milliseconds Publisher::until_check() {
       due = std::min(due, pulse_.due(settings_.stalled));
     }
   }
-  return std::max<std::chrono::milliseconds>(std::chrono::ceil<std::chrono::milliseconds>(due - now), 1ms);
+  return std::max(due, now + 1ms);
 }
 
 bool Publisher::carry_out(Lock& lock) {
@@ -170,19 +185,22 @@ bool Publisher::carry_out(Lock& lock) {
 
 bool Publisher::send(Lock& lock) {
   // As much as there is may come faster than it leaves: other work does not wait for that.
-  while (const Message* const message = line_.wants() ? nullptr : traffic_.next(Clock::now())) {
-    expect_sign_of_life(settings_.silence);
+  for (auto now = Clock::now();; now = Clock::now()) {
+    const Message* const message = line_.wants() ? nullptr : traffic_.next(now);
+    if (message == nullptr) {
+      return true;
+    }
+    expect_sign_of_life(settings_.silence, now);
     lock.unlock();
     const Client::Sent outcome = client_->publish(*message);
     lock.lock();
     if (outcome == Client::Sent::unfit) {
       traffic_.unfit(message);
     } else if (outcome == Client::Sent::broken) {
-      traffic_.not_sent(message, Clock::now());
+      traffic_.not_sent(message, now);
       return false;
     }
   }
-  return true;
 }
 
 void Publisher::drop_client() {
@@ -241,21 +259,21 @@ void Publisher::say_end(Candidate& ended, const Turn& turn, std::chrono::millise
   say(turn.end.stays ? Level::error : level, std::move(text));
 }
 
-bool Publisher::farewell_over() {
+bool Publisher::farewell_over(Clock::time_point now) {
   if (!finishing_ && !line_.leave_by) {
     return false;
   }
   const auto end = finishing_ ? finish_by_ : *line_.leave_by;
-  return !traffic_.is_open() || traffic_.all_said(Clock::now()) || Clock::now() >= end;
+  return !traffic_.is_open() || traffic_.all_said(now) || now >= end;
 }
 
-bool Publisher::has_work() {
-  return line_.wants() || traffic_.may_send(Clock::now()) || farewell_over();
+bool Publisher::has_work(Clock::time_point now) {
+  return line_.wants() || traffic_.may_send(now) || farewell_over(now);
 }
 
 // Without the lock: the thread would wait for it at once. Most acknowledgements change nothing for it.
-void Publisher::wake_if_needed(Lock lock) {
-  const bool needed = has_work();
+void Publisher::wake_if_needed(Lock lock, Clock::time_point now) {
+  const bool needed = has_work(now);
   lock.unlock();
   if (needed) {
     wake_.notify_one();

@@ -25,7 +25,7 @@ class PaceTest : public testing::Test {
   }
 
   canopen::TimePoint note(std::size_t signal, Raw raw, bool fresh = true) {
-    return pace_.note(static_cast<process::SignalId>(signal), raw, fresh, now_);
+    return std::max(pace_.note(static_cast<process::SignalId>(signal), raw, fresh), now_);
   }
   [[nodiscard]] bool due(std::size_t signal) const {
     return pace_.signal_due(static_cast<process::SignalId>(signal), now_);
