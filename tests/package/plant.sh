@@ -204,6 +204,7 @@ wait_until 20 "all drives" is StatusText "2 of 2 drives online"
 
 # ---- Stopped by an engineer: clients do not start it.
 systemctl stop canopen-gateway 2>/dev/null # it remarks that the socket could start it, which goes with it
+wait_until 5 "the socket goes with it" is ActiveState inactive canopen-gateway.socket # systemctl waits for the service only
 connects && fail "somebody listens on port 502"
 sleep 1
 expect "stays stopped" inactive "$(property ActiveState)"
