@@ -1,7 +1,8 @@
 #!/bin/bash
 # On a Debian 12 with systemd as process 1 (tests/package/boot): the package is installed, the plant comes up, the daemon is
-# stopped and killed, configured wrong, upgraded beside running drives, removed and purged. Prints what it saw.
-# /shared has canopen-gateway.deb and canopen-gateway-newer.deb, the same with a higher version.
+# stopped and killed, configured wrong, upgraded beside running drives, closed to strangers, removed and purged. Prints what
+# it saw. /shared has canopen-gateway.deb and canopen-gateway-newer.deb, the same with a higher version, addresses.sh, and in
+# drop-ins the files of docs/SECURITY.md.
 set -u
 checks=0
 say() { printf '%s %s\n' "$(cut -d' ' -f1 /proc/uptime)" "$*"; }
@@ -204,6 +205,7 @@ wait_until 20 "all drives" is StatusText "2 of 2 drives online"
 
 # ---- Stopped by an engineer: clients do not start it.
 systemctl stop canopen-gateway 2>/dev/null # it remarks that the socket could start it, which goes with it
+wait_until 5 "the socket goes with it" is ActiveState inactive canopen-gateway.socket # systemctl waits for the service only
 connects && fail "somebody listens on port 502"
 sleep 1
 expect "stays stopped" inactive "$(property ActiveState)"
@@ -218,6 +220,9 @@ done
 expect "the socket after seven restarts" active "$(property ActiveState canopen-gateway.socket)"
 wait_until 20 "Modbus is back" register_is 0 2 2
 say "seven restarts in a row, and port 502 answers"
+
+# ---- Closed to all but the addresses that are known, as docs/SECURITY.md has it.
+. /shared/addresses.sh
 
 # ---- Removed and purged.
 dpkg -r canopen-gateway >/dev/null 2>&1 || fail "remove"

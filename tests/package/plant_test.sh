@@ -15,4 +15,6 @@ mkdir "$work/shared"
 cp "$deb" "$work/shared/canopen-gateway.deb"
 dpkg-deb --root-owner-group -b "$work/newer" "$work/shared/canopen-gateway-newer.deb" >/dev/null
 cp tests/package/plant.sh "$work/shared/script"
+cp tests/package/addresses.sh "$work/shared"
+tests/system/recipe_files.py docs/SECURITY.md "$work/shared/drop-ins" >/dev/null
 tests/package/boot -t 600 "$image" "$work/shared"
