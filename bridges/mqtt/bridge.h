@@ -131,9 +131,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   home_assistant::Discovery home_assistant_;
   OtherGateway other_;
   PutRightTally put_right_;
-  std::vector<Feed> feeds_;     ///< By drive.
-  std::vector<Message> batch_;  ///< Of this turn.
-  canopen::TimePoint next_;     ///< When something of the alarms or feeds is due.
+  std::vector<Feed> feeds_;       ///< By drive.
+  std::vector<Message> batch_;    ///< Of this turn.
+  canopen::TimePoint next_;       ///< When something of the alarms or feeds is due.
   canopen::TimePoint sent_at_{};  ///< The last batch.
   std::function<void(bool)> connected_change_;
   std::function<process::ProgramHealth()> program_health_;

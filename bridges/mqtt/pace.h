@@ -20,7 +20,8 @@ class Pace {
  public:
   Pace(const config::Drive& drive, const config::Mqtt& settings);
 
-  /// What a signal is now. Returns when something of it is due, kAtOnce where that must not wait; kNever where nothing is.
+  /// What a signal is now. Returns when something of it is due, kAtOnce where that must not wait; kNever where nothing
+  /// is.
   canopen::TimePoint note(process::SignalId signal, canopen::Raw raw, bool fresh);
   /// Something of the state message but a value changed: it is due at once.
   void note_state() noexcept { state_urgent_ = true; }
