@@ -33,17 +33,10 @@ void block_signals() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
-// Work that comes in batches (sched(7)): woken, such a thread does not push aside who is running, the loop above all.
-void work_in_batches() {
-  const sched_param none{};
-  (void)pthread_setschedparam(pthread_self(), SCHED_BATCH, &none);  // where that is not allowed, it works as well
-}
-
 }  // namespace
 
 void Publisher::run() {
   block_signals();
-  work_in_batches();
   for (bool goes_on = true; goes_on;) {
     const Turn turn = take_turn();
     drop_client();
