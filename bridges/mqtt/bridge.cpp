@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "bridges/mqtt/info.h"
-#include "bridges/process/command_checks.h"
 
 namespace mqtt {
 namespace {
@@ -17,10 +16,8 @@ namespace {
 using canopen::kNever;
 // Longer than the usual deadline of a command.
 constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
-// Whether a broker may be left now, where it may be at the next good moment.
-constexpr canopen::Duration kLeaveCheck = std::chrono::seconds(1);
-// Numbers that changed wait so long for company behind a batch: on a busy bus a batch for each frame would cost more
-// than all else that is done with a value.
+// Numbers wait so long for company behind a batch: to wake other threads for each frame of a busy bus costs more than
+// all else that is done with a value.
 constexpr canopen::Duration kCompany = std::chrono::milliseconds(4);
 
 }  // namespace
@@ -50,6 +47,7 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       executor_(std::move(executor)),
       timer_(executor_),
       wake_at_(kNever),
+      company_(executor_, [this] { send_batch(canopen::Clock::now()); }),
       ended_(executor_) {
   feeds_.reserve(plant.size());
   for (std::size_t i = 0; i < plant.size(); ++i) {
@@ -104,7 +102,8 @@ void Bridge::on_values(const process::Drive& drive, std::span<const process::Sig
     Feed& feed = feeds_[drive.index()];
     const canopen::TimePoint now = canopen::Clock::now();
     const canopen::TimePoint due = feed.mark_values(signals, now);
-    wake(due == kAtOnce ? now : std::max({due, now, sent_at_ + kCompany}));
+    urgent_ = urgent_ || due == kAtOnce;
+    come_again(std::max(due, now));
     if (feed.must_not_wait()) {  // the next frame of this turn may take it back
       feed.collect(now, batch_);
     }
@@ -158,10 +157,8 @@ boost::asio::awaitable<void> Bridge::run() {
   boost::system::error_code ignored;
   while (!stopping_) {
     wake_at_ = turn();
-    do {
-      timer_.expires_at(wake_at_);
-      co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
-    } while (!stopping_ && canopen::Clock::now() < wake_at_);
+    timer_.expires_at(wake_at_);
+    co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
   }
   turn();
 }
@@ -177,8 +174,10 @@ canopen::TimePoint Bridge::turn() {
   } else {
     next_ = kNever;
   }
-  if (!batch_.empty() && !stopping_) {
+  if (urgent_ || now - sent_at_ >= kCompany) {
     send_batch(now);
+  } else if (!batch_.empty()) {
+    company_.arm_no_later_than(sent_at_ + kCompany);
   }
   return std::min({next_, session_.deadline(), other_.next(), leaves});
 }
@@ -204,9 +203,13 @@ Message Bridge::info() const {
 }
 
 void Bridge::send_batch(canopen::TimePoint now) {
+  if (batch_.empty() || stopping_) {
+    return;
+  }
   put_right_.note(batch_, now, notice_);
   broker_->publish(std::exchange(batch_, {}));
   sent_at_ = now;
+  urgent_ = false;
 }
 
 void Bridge::collect(canopen::TimePoint now) {
@@ -244,44 +247,12 @@ void Bridge::follow_session() {
   }
 }
 
-canopen::TimePoint Bridge::leave_if_ready(canopen::TimePoint now) {
-  if (!may_leave_ || stopping_ || !session_.ready()) {
-    return kNever;
-  }
-  const std::string drives = drives_that_count_on_mqtt();
-  if (!drives.empty() && !std::exchange(said_why_not_, true)) {
-    notice_(
-        Level::info,
-        "MQTT: the first broker takes connections again; " + connection_->broker +
-            " is left for it when no drive runs whose `timeout` waits for signs of life by MQTT, as now: " + drives);
-  }
-  if (drives.empty() && requests_.is_idle()) {
-    leave();
-    return kNever;
-  }
-  return now + kLeaveCheck;
-}
-
-std::string Bridge::drives_that_count_on_mqtt() const {
-  std::string names;
-  for (std::size_t i = 0; i < plant_.size(); ++i) {
-    const process::Drive& drive = plant_.drive(i);
-    if (drive.counts_on(mqtt_writer()) && !process::refuse_writer(drive.model(), mqtt_writer())) {
-      names += (names.empty() ? "" : ", ") + drive.model().name;
-    }
-  }
-  return names;
-}
-
-void Bridge::leave() {
-  may_leave_ = false;
-  leaving_ = true;
-  broker_->leave(session_.connection(), last_words());
-  session_.lost();
-  follow_session();
-}
-
 void Bridge::wake(canopen::TimePoint at) {
+  urgent_ = true;
+  come_again(at);
+}
+
+void Bridge::come_again(canopen::TimePoint at) {
   if (at < wake_at_) {
     wake_at_ = at;
     timer_.expires_at(at);  // run() goes on when its wait is cancelled

@@ -27,6 +27,7 @@
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
+#include "canopen/wake_up.h"
 #include "config/model.h"
 
 namespace mqtt {
@@ -113,7 +114,9 @@ class Bridge final : public process::Observer, private BrokerEvents {
   void status_received(const Incoming& message, const Route& route);
   void health_may_differ();
   void follow_session();
+  /// Something that waits for no company is due then.
   void wake(canopen::TimePoint at);
+  void come_again(canopen::TimePoint at);
   void publish(Message message);
 
   process::Plant& plant_;
@@ -132,9 +135,10 @@ class Bridge final : public process::Observer, private BrokerEvents {
   OtherGateway other_;
   PutRightTally put_right_;
   std::vector<Feed> feeds_;       ///< By drive.
-  std::vector<Message> batch_;    ///< Of this turn.
+  std::vector<Message> batch_;    ///< What waits for the broker's thread.
   canopen::TimePoint next_;       ///< When something of the alarms or feeds is due.
   canopen::TimePoint sent_at_{};  ///< The last batch.
+  bool urgent_ = false;           ///< This one waits for no company.
   std::function<void(bool)> connected_change_;
   std::function<process::ProgramHealth()> program_health_;
   std::optional<Connected> connection_;
@@ -147,6 +151,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   boost::asio::any_io_executor executor_;
   canopen::Timer timer_;
   canopen::TimePoint wake_at_;  ///< When the timer runs out.
+  canopen::WakeUp company_;     ///< Sends what waits for company.
   bool stopping_ = false;
   bool running_ = false;
   canopen::Timer ended_;  ///< Cancelled when run() ended.

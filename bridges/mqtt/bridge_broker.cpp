@@ -1,11 +1,18 @@
-// What the broker tells the bridge.
+// What the broker tells the bridge, and how it is left for another one.
 
 #include <algorithm>
 #include <utility>
 
 #include "bridges/mqtt/bridge.h"
+#include "bridges/process/command_checks.h"
 
 namespace mqtt {
+namespace {
+
+// Whether a broker may be left now, where it may be at the next good moment.
+constexpr canopen::Duration kLeaveCheck = std::chrono::seconds(1);
+
+}  // namespace
 
 void Bridge::on_connected(const Connected& connection) {
   if (stopping_) {
@@ -31,6 +38,43 @@ void Bridge::on_may_leave(ConnectionId connection, bool may) {
     may_leave_ = may;
     wake(canopen::Clock::now());
   }
+}
+
+canopen::TimePoint Bridge::leave_if_ready(canopen::TimePoint now) {
+  if (!may_leave_ || stopping_ || !session_.ready()) {
+    return canopen::kNever;
+  }
+  const std::string drives = drives_that_count_on_mqtt();
+  if (!drives.empty() && !std::exchange(said_why_not_, true)) {
+    notice_(
+        Level::info,
+        "MQTT: the first broker takes connections again; " + connection_->broker +
+            " is left for it when no drive runs whose `timeout` waits for signs of life by MQTT, as now: " + drives);
+  }
+  if (drives.empty() && requests_.is_idle()) {
+    leave();
+    return canopen::kNever;
+  }
+  return now + kLeaveCheck;
+}
+
+std::string Bridge::drives_that_count_on_mqtt() const {
+  std::string names;
+  for (std::size_t i = 0; i < plant_.size(); ++i) {
+    const process::Drive& drive = plant_.drive(i);
+    if (drive.counts_on(mqtt_writer()) && !process::refuse_writer(drive.model(), mqtt_writer())) {
+      names += (names.empty() ? "" : ", ") + drive.model().name;
+    }
+  }
+  return names;
+}
+
+void Bridge::leave() {
+  may_leave_ = false;
+  leaving_ = true;
+  broker_->leave(session_.connection(), last_words());
+  session_.lost();
+  follow_session();
 }
 
 void Bridge::on_disconnected(const std::string& why) {

@@ -123,7 +123,7 @@ const SectionOf<Mqtt>& mqtt_section() {
        Field("state", &Mqtt::state, boolean(), "One JSON topic per drive."),
        Field("signals", &Mqtt::signals, boolean(), "One plain topic per signal."),
        Field("min_interval", &Mqtt::min_interval, duration({.min = seconds(0), .max = kDay}),
-             "A value is published not more often than this; `0s`: at every change, numbers at most every 4 ms."),
+             "A value is published not more often than this; `0s`: at every change."),
        Field("max_interval", &Mqtt::max_interval, duration({.min = seconds(1), .max = kDay}),
              "A value is published at least this often.")
            .unset("60s"),
