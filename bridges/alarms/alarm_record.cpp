@@ -29,7 +29,8 @@ bool has_new_fault(const std::vector<AlarmError>& before, const std::vector<Alar
 
 }  // namespace
 
-AlarmRecord::AlarmRecord(NewId new_id) : new_id_(std::move(new_id)) {
+AlarmRecord::AlarmRecord(NewId new_id, config::Severity severity) : new_id_(std::move(new_id)) {
+  alarm_.severity = severity;
   alarm_.confirmed = false;
 }
 
@@ -95,7 +96,10 @@ bool AlarmRecord::show(bool active, std::string reason, std::string text, config
 }
 
 void AlarmRecord::restore(const Alarm& before) {
+  const bool never_was = !before.active && before.id.empty();
+  const config::Severity severity = never_was ? alarm_.severity : before.severity;
   alarm_ = before;
+  alarm_.severity = severity;
   alarm_.confirmed = false;
   alarm_.known = true;
 }

@@ -13,7 +13,8 @@ namespace alarms {
 /// shown or restored.
 class AlarmRecord {
  public:
-  explicit AlarmRecord(NewId new_id = random_id);
+  /// `severity`: of one that was never active.
+  explicit AlarmRecord(NewId new_id = random_id, config::Severity severity = config::Severity::fault);
 
   [[nodiscard]] const Alarm& alarm() const noexcept { return alarm_; }
 

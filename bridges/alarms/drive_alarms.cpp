@@ -61,14 +61,19 @@ std::string boot_text(const canopen::NodeStatus& status) {
   return text + ". What to do first: " + std::string(first_steps(status.boot_result, status.held_back));
 }
 
+AlarmRecord record_of(AlarmKind kind, const NewId& new_id) {
+  return AlarmRecord(new_id, severity_of(kind));
+}
+
 }  // namespace
 
 DriveAlarms::DriveAlarms(const config::Drive& model, Changed changed, const NewId& new_id)
     : model_(model),
       changed_(std::move(changed)),
       errors_(model),
-      records_{AlarmRecord(new_id), AlarmRecord(new_id), AlarmRecord(new_id), AlarmRecord(new_id),
-               AlarmRecord(new_id)} {
+      records_{record_of(AlarmKind::emcy, new_id), record_of(AlarmKind::heartbeat, new_id),
+               record_of(AlarmKind::boot, new_id), record_of(AlarmKind::data, new_id),
+               record_of(AlarmKind::control, new_id)} {
   if (!model_.enabled) {  // Nothing of it will ever be learnt, so nothing is waited for.
     decided_.set();
     for (const AlarmKind kind : kAlarmKinds) {

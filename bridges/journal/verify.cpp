@@ -1,5 +1,7 @@
 #include "bridges/journal/verify.h"
 
+#include <algorithm>
+
 #include "bridges/journal/files.h"
 #include "bridges/journal/tail.h"
 
@@ -143,7 +145,7 @@ void Verifier::accept(const ReadLine& read) {
   if (report_.lines == 1) {
     report_.from = read.line.ts;
   }
-  report_.to = read.line.ts;
+  report_.to = std::max(report_.to, read.line.ts);  // of one form, which sorts as time does
   if (read.line.phase == kLost) {
     report_.lost += read.line.count;
   }

@@ -18,9 +18,9 @@ struct Report {
   // The rest tells of a sound one only.
   std::uint64_t lines = 0;
   std::uint64_t files = 0;
-  std::uint64_t lost = 0;  ///< Lines that the gateway says it could not write.
-  std::string from;        ///< `ts` of the first and the last line.
-  std::string to;
+  std::uint64_t lost = 0;    ///< Lines that the gateway says it could not write.
+  std::string from;          ///< `ts` of the first line.
+  std::string to;            ///< The latest `ts`: a line that counts others has that of the last of them, and is late.
   std::uint64_t newest = 0;  ///< `n` of the last one; 0: there is none.
   std::string newest_hash;
 

@@ -193,7 +193,7 @@ awaitable<void> Client::carry_out(std::uint8_t unit, std::size_t used) {
   if (answer_.request.reads() && !answer_.exception) {
     answer_.exception = units_.read(unit, answer_.request, canopen::Clock::now(), snapshot_);
     if (answer_.exception) {
-      units_.note_unread(unit, answer_.request, writer_);
+      units_.note_unread(unit, answer_.request, writer_, *answer_.exception);
     }
   }
 }

@@ -144,6 +144,7 @@ void Connections::serve(tcp::socket socket, const boost::asio::ip::address& addr
 
 void Connections::tell_end(const Client& client) {
   if (client.sent_garbage()) {
+    ++counts_.garbage;
     log_.warn(client.address(), "disconnected: what it sent is no Modbus TCP");
   } else if (client.came_late()) {
     count_refused();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bridges/modbus/drive_objects.h"
+#include "canopen/hex.h"
 
 namespace modbus {
 
@@ -92,9 +93,12 @@ void Units::note_refused(std::uint8_t unit, const Request& request, process::Ori
   }
 }
 
-void Units::note_unread(std::uint8_t unit, const Request& request, const process::Writer& writer) {
+void Units::note_unread(std::uint8_t unit, const Request& request, const process::Writer& writer, Exception answered) {
+  const char* const why =
+      answered == Exception::no_response ? "is not fresh any more" : "cannot be read";  // a stop is not kept back by it
   const std::string text = "function 23 of " + to_string(writer) +
-                           ": what it wrote is confirmed, but what it was to read is not fresh any more; answered 0x0B";
+                           ": what it wrote is confirmed, but what it was to read " + why + "; answered 0x" +
+                           canopen::hex(static_cast<std::uint8_t>(answered), 2);
   if (is_flat(unit)) {
     flat_.remark(request, text);
   } else if (!is_gateway(unit)) {

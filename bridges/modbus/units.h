@@ -42,8 +42,8 @@ class Units {
   [[nodiscard]] canopen::TimePoint there_since(std::uint8_t unit, const Request& request) noexcept;
   /// A write that is refused before its unit sees it: the drive notes it, of a stop for all each.
   void note_refused(std::uint8_t unit, const Request& request, process::Origin origin, canopen::Error why);
-  /// Of function 23: it was written, and what it was to read failed after that. For the log.
-  void note_unread(std::uint8_t unit, const Request& request, const process::Writer& writer);
+  /// Of function 23: it was written, and what it was to read failed after that with `answered`. For the log.
+  void note_unread(std::uint8_t unit, const Request& request, const process::Writer& writer, Exception answered);
   /// Writes request.write, which must stay valid. The unit exists.
   [[nodiscard]] boost::asio::awaitable<std::optional<Exception>> write(std::uint8_t unit, Request request,
                                                                        process::Origin origin);

@@ -21,7 +21,8 @@ struct Candidate {
   std::string name;  ///< `HOST:PORT`.
   Attempts attempts;
   BrokerAddresses addresses;
-  std::string said{};  ///< Why it gave no connection, as it stands in the log.
+  std::string said{};       ///< Why it gave no connection, as it stands in the log.
+  int wordless_breaks = 0;  ///< In a row, soon after the connection came about.
 };
 
 }  // namespace mqtt

@@ -23,7 +23,7 @@ void append_names(text::ObjectText& object, const config::Signal& signal) {
   names.close();
 }
 
-void append_signal(std::string& out, const config::Signal& signal, const std::string& topic) {
+void append_signal(std::string& out, const config::Signal& signal, const std::string& topic, bool published) {
   text::ObjectText object(out);
   object.text("name", signal.name);
   object.text("object", canopen::to_string(signal.object));
@@ -35,7 +35,7 @@ void append_signal(std::string& out, const config::Signal& signal, const std::st
   object.number("min", signal.min);
   object.number("max", signal.max);
   append_names(object, signal);
-  object.text("topic", config::readable(signal.access) ? std::optional(topic) : std::nullopt);
+  object.text("topic", config::readable(signal.access) && published ? std::optional(topic) : std::nullopt);
   object.text("set", config::writable(signal.access) ? std::optional(topic + "/set") : std::nullopt);
   if (signal.unconfirmed) {
     object.boolean("unconfirmed", true);  // the profile could not establish its meaning or scale
@@ -67,9 +67,11 @@ void append_drive(std::string& out, const config::Model& model, const config::Dr
   object.integer("modbus_unit", drive.unit);
   object.boolean("commands", drive.commands.writers.mqtt);
   append_assumed(object.key("assumed_pdos"), drive);
-  text::append_list(
-      object.key("signals"), std::views::iota(std::size_t{0}, drive.signals.size()),
-      [&](std::string& list, std::size_t i) { append_signal(list, drive.signals[i], topics.signals.at(i)); });
+  const bool published = !model.mqtt || model.mqtt->signals;
+  text::append_list(object.key("signals"), std::views::iota(std::size_t{0}, drive.signals.size()),
+                    [&](std::string& list, std::size_t i) {
+                      append_signal(list, drive.signals[i], topics.signals.at(i), published);
+                    });
   object.close();
 }
 

@@ -70,6 +70,9 @@ std::chrono::milliseconds Publisher::turn_to_next(const Turn& turn) {
   if (turn.stood && outcome != Outcome::silent) {
     candidate().attempts.restart();
   }
+  if (!turn.stood) {
+    candidate().wordless_breaks = 0;  // it is away, so that is what its connections break at
+  }
   if (outcome == Outcome::left) {
     homecoming_.went();
     candidates_.front().said.clear();  // why it does not give one this time is news
@@ -94,6 +97,12 @@ Publisher::Turn Publisher::serve() {
     // Who was suspected a while ago is not why it broke now.
     turn.end.stays =
         turn.end.stays && (is_takeover(line_.down_code) || turn.stood_for <= 2 * settings_.pause_after_refusal);
+    const bool wordless = turn.end.unexplained && line_.down_code < 0 && !turn.held;
+    candidate().wordless_breaks = wordless ? candidate().wordless_breaks + 1 : 0;
+  }
+  if (candidate().wordless_breaks > 1) {  // as brokers do that do not tell of a take-over, mosquitto among them
+    turn.end.why +=
+        " soon after it came about, again; perhaps another client has the client id " + settings_.client.client_id;
   }
   if (turn.held) {
     candidate().said.clear();

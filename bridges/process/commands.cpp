@@ -51,7 +51,7 @@ awaitable<Outcome> Commands::write(Origin origin, std::vector<FieldWrite> fields
   if (std::optional<Error> refused = refuse_asker(command)) {
     outcome = *std::move(refused);
   } else if (resolved.has_error()) {
-    outcome = resolved.error();
+    outcome = refuse_lease(command).value_or(resolved.error());
   } else if (command.use == ControlUse::stop) {
     outcome = co_await overtake(command, resolved.value());
   } else {

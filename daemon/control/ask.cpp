@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bridges/text/json_text.h"
+#include "canopen/nmt.h"
 #include "daemon/control/bus_table.h"
 #include "daemon/control/exchange.h"
 #include "daemon/control/find_daemon.h"
@@ -135,6 +136,11 @@ int set(const Reach& reach, const std::string& drive, const std::vector<std::str
 }
 
 int nmt(const Reach& reach, const std::string& drive, const std::string& command_name) {
+  if (!canopen::parse_nmt_command(command_name)) {
+    complain("nmt DRIVE COMMAND: COMMAND is start, stop, pre-operational, reset-node or reset-communication, not \"" +
+             command_name + "\"");
+    return kUsage;
+  }
   return command(reach, request_of("nmt", drive, {{"command", as_json(command_name)}}));
 }
 

@@ -17,6 +17,10 @@ void add_modbus(Families& families, const ModbusFigures& figures) {
            std::uint64_t{figures.clients});
   take_one(families, Families::counter("modbus_refused_clients_total", "Modbus connections that were refused."),
            figures.refused);
+  take_one(families,
+           Families::counter("modbus_garbage_total",
+                             "Modbus connections that were ended since they sent what is no Modbus TCP."),
+           figures.counts.garbage);
   take_one(families, Families::counter("modbus_requests_total", "Modbus requests answered, exceptions included."),
            figures.counts.requests);
   Family exceptions =

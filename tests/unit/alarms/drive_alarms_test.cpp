@@ -67,6 +67,24 @@ TEST_F(AlarmsTest, Cia301LayoutTakesCodeThenClassThenNumber) {
   EXPECT_EQ(emcy_alarm().text, "emergency 0x1000");
 }
 
+TEST_F(AlarmsTest, OneThatNeverWasHasTheSeverityOfItsKind) {
+  const auto expect_severities = [this] {
+    for (const AlarmKind kind : kAlarmKinds) {
+      const Alarm& alarm = alarms_->alarm(kind);
+      EXPECT_FALSE(alarm.active) << name_of(kind);
+      EXPECT_EQ(alarm.severity, kind == AlarmKind::data ? Severity::warning : Severity::fault) << name_of(kind);
+    }
+  };
+  come_online();
+  alarms_->on_patience_over(wall_);
+  expect_severities();
+  alarms_->restore(AlarmKind::data, Alarm());  // as older versions kept it
+  expect_severities();
+  model_.enabled = false;
+  build();
+  expect_severities();
+}
+
 TEST_F(AlarmsTest, HeartbeatAlarm) {
   status_.lost = true;
   alarms_->on_status(status_, wall_);

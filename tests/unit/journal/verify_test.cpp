@@ -60,6 +60,16 @@ TEST_F(JournalVerify, ASoundJournal) {
   EXPECT_EQ(found.newest_hash, sha256(line(3, 4)));
 }
 
+TEST_F(JournalVerify, ALineThatIsOlderThanTheOneBeforeItIsNotTheLatest) {
+  Store store(directory_.journal(), 1'000'000, FileCalls::real());
+  EXPECT_FALSE(store.append(entry_at(3, 9)));
+  EXPECT_FALSE(store.append(entry_at(3, 8)));  // as one is that counts commands of a minute, written at its end
+  const Report found = report();
+  EXPECT_EQ(found.broken, "");
+  EXPECT_EQ(found.newest, 14U);
+  EXPECT_EQ(found.to, "2026-01-03T09:00:00.000Z");
+}
+
 TEST_F(JournalVerify, AChangedByteAnywhereIsFoundAndItsLineNamed) {
   // Of the last line, which nothing follows, only what makes it no line is found.
   for (int day = 1; day <= 3; ++day) {

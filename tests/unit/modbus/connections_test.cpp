@@ -86,6 +86,8 @@ TEST(Connections, WhatIsNoModbusIsClosed) {
     send_all(client, hex(garbage));
     EXPECT_TRUE(is_closed(site, client)) << garbage;
     EXPECT_EQ(site.server().clients(), 0U);
+    EXPECT_EQ(site.server().counts().garbage, 1U) << garbage;
+    EXPECT_EQ(site.server().refused(), 0U) << "it was let in";
   }
 }
 

@@ -41,6 +41,20 @@ TEST(ReadWrite, TheLogSaysWhatWasWrittenThoughTheAnswerIsAnException) {
   ASSERT_EQ(site.remarks().size(), 1U);
   EXPECT_NE(site.remarks()[0].find("function 23"), std::string::npos) << site.remarks()[0];
   EXPECT_NE(site.remarks()[0].find("127.0.0.1"), std::string::npos) << site.remarks()[0];
+  EXPECT_NE(site.remarks()[0].find("is not fresh any more; answered 0x0B"), std::string::npos) << site.remarks()[0];
+}
+
+TEST(ReadWrite, TheLogOfAStopThatCannotBeReadBackNamesTheExceptionThatWasAnswered) {
+  config::Model model = modbus_test::example_model();
+  model.drives[0].node.motor.control = modbus_test::kControlObject;
+  model.drives[0].node.motor.stops = {{0xFFFF, 5}};
+  Site site(model);
+  site.bring_up();
+  site.remarks().clear();
+  EXPECT_EQ(site.ask("17 03e7 0001 0064 0001 02 0005"), "97 02") << "register 999 is none";
+  ASSERT_EQ(site.remarks().size(), 1U);
+  EXPECT_NE(site.remarks()[0].find("what it was to read cannot be read; answered 0x02"), std::string::npos)
+      << site.remarks()[0];
 }
 
 TEST(ReadWrite, OneThatWasNotBegunIsNoRemark) {

@@ -18,7 +18,12 @@ namespace {
 using namespace std::chrono_literals;
 using test::TinyBroker;
 
-class MqttPublisher : public test::PublisherFixture {};
+class MqttPublisher : public test::PublisherFixture {
+ protected:
+  [[nodiscard]] bool is_said(const std::string& text) const {
+    return std::ranges::any_of(notices, [&](const std::string& each) { return each.find(text) != std::string::npos; });
+  }
+};
 
 TEST_F(MqttPublisher, FallsBackTo311WhereTheBrokerHasNo5) {
   TinyBroker broker({});
@@ -75,6 +80,34 @@ TEST_F(MqttPublisher, ABrokerThatRefusesIsToldOnceAndTriedAgain) {
   ASSERT_EQ(notices.size(), 1U);
   EXPECT_NE(notices[0].find("ot authorized"), std::string::npos) << notices[0];
   EXPECT_TRUE(connections.empty());
+}
+
+TEST_F(MqttPublisher, BreaksWithoutAWordSoonAfterConnectingNameTheSuspicion) {
+  const std::string suspicion = "perhaps another client has the client id canopen-gateway-line3";
+  TinyBroker broker({.speaks_5 = true, .closes_on_subscribe = true});
+  make(settings(broker.port()));
+  ASSERT_TRUE(connected());
+  publisher->subscribe(connections.back(), {{"x", 1}});
+  ASSERT_TRUE(connected(2));
+  EXPECT_TRUE(is_said("the connection broke; trying again"));
+  EXPECT_FALSE(is_said(suspicion)) << "once may be chance";
+  publisher->subscribe(connections.back(), {{"x", 1}});
+  ASSERT_TRUE(connected(3));
+  EXPECT_TRUE(run_until([&] { return is_said(suspicion); }));
+  EXPECT_EQ(take_overs, 0U) << "it is no more than a suspicion";
+}
+
+TEST_F(MqttPublisher, ABrokerThatSaysWhyItEndsConnectionsIsNotSuspectedOfATakeOver) {
+  TinyBroker broker({.speaks_5 = true});
+  make(settings(broker.port()));
+  for (std::size_t times = 1; times <= 3; ++times) {
+    ASSERT_TRUE(connected(times));
+    broker.disconnect(0x81);
+    ASSERT_TRUE(run_until([&] { return disconnections == times; }));
+  }
+  ASSERT_TRUE(connected(4));
+  EXPECT_TRUE(is_said("(0x81)"));
+  EXPECT_FALSE(is_said("perhaps another client"));
 }
 
 TEST_F(MqttPublisher, ABrokerThatSaysNothingHoldsUpNeitherLoopNorEnd) {

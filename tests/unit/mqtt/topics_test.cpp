@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "bridges/mqtt/info.h"
 #include "tests/unit/mqtt/site.h"
 
 namespace mqtt {
@@ -135,6 +136,17 @@ TEST(Filters, StandForTopics) {
         Case{"+/monitor/Clients", "$SYS/monitor/Clients", false}, Case{"a/b", "a/b", true}, Case{"a/b", "a/b/c", false},
         Case{"a/b/c", "a/b", false}}) {
     EXPECT_EQ(matches(each.filter, each.topic), each.matches) << each.filter << " and " << each.topic;
+  }
+}
+
+TEST_F(TopicsTest, InfoNamesThoseOfSignalsOnlyWhereTheyArePublished) {
+  for (const bool published : {true, false}) {
+    model_.mqtt->signals = published;
+    const std::string info = info_json(model_, topics_, "1.2.3", "A1");
+    const auto has = [&info](const char* text) { return info.find(text) != std::string::npos; };
+    EXPECT_EQ(has(R"("topic":"canopen/line3/pump1/status_word","set":null)"), published) << info;
+    EXPECT_EQ(has(R"("topic":null,"set":null)"), !published) << info;
+    EXPECT_TRUE(has(R"("set":"canopen/line3/pump1/energy/set")")) << info;
   }
 }
 

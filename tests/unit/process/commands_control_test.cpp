@@ -189,6 +189,15 @@ TEST_F(CommandsControlTest, ALeaseKeepsOthersAwayButNoStop) {
   EXPECT_TRUE(write_by(Writer::Way::local, {field("frequency_command", 20.0)}).has_value());
 }
 
+TEST_F(CommandsControlTest, WhoHasNotTheLeaseLearnsThatBeforeAnythingOfBitsThatAreNotKnown) {
+  model_.commands.lease = 10s;
+  bring_online();
+  ASSERT_TRUE(write_by(Writer::Way::modbus, {field("frequency_command", 10.0)}).has_value());
+  const FieldWrite bits{signal("control_command"), Mask{.and_mask = 0xFFFE, .or_mask = 0}};
+  expect_refused(write_by(Writer::Way::mqtt, {bits}), ErrorKind::lease);
+  expect_refused(write_by(Writer::Way::modbus, {bits}), ErrorKind::incomplete);
+}
+
 TEST_F(CommandsControlTest, AMotorThatDoesNotFollowIsAnAlarm) {
   model_.commands.feedback = 1s;
   bring_online();

@@ -57,6 +57,15 @@ TEST_F(ControlCommandLine, WrongUsageIs2) {
   }
 }
 
+TEST_F(ControlCommandLine, AnNmtCommandThatIsNoneIsWrongUsageWhetherAGatewayRunsOrNot) {
+  for (const char* const word : {"bogus", "Start", "", "1"}) {
+    const Told told = run(with_site({"nmt", "pump1", word}));
+    EXPECT_EQ(told.code, kUsage) << told.text;
+    EXPECT_THAT(told.text, HasSubstr("start, stop, pre-operational, reset-node or reset-communication, not \"" +
+                                     std::string(word) + "\""));
+  }
+}
+
 TEST_F(ControlCommandLine, WithoutAGatewayItIs1) {
   for (const Words& words :
        {Words{"status"}, Words{"status", "--watch"}, Words{"trace"}, Words{"stop"}, Words{"set", "pump1", "a=1"},

@@ -84,6 +84,7 @@ TEST_F(HttpMetrics, TellOfCommandsAndRefusals) {
 TEST_F(HttpMetrics, TellOfServersWhereThereAreSome) {
   ModbusFigures modbus{.clients = 3, .refused = 2};
   modbus.counts.requests = 7;
+  modbus.counts.garbage = 8;
   modbus.counts.add(modbus::Exception::no_response);
   site_.modbus = [modbus] { return modbus; };
   site_.mqtt = [] {
@@ -95,7 +96,8 @@ TEST_F(HttpMetrics, TellOfServersWhereThereAreSome) {
   const std::string told = text("/metrics");
   for (const char* const line :
        {"canopen_gateway_modbus_clients 3\n", "canopen_gateway_modbus_refused_clients_total 2\n",
-        "canopen_gateway_modbus_requests_total 7\n", "canopen_gateway_modbus_exceptions_total{code=\"0x0B\"} 1\n",
+        "canopen_gateway_modbus_garbage_total 8\n", "canopen_gateway_modbus_requests_total 7\n",
+        "canopen_gateway_modbus_exceptions_total{code=\"0x0B\"} 1\n",
         "canopen_gateway_modbus_exceptions_total{code=\"0x02\"} 0\n", "canopen_gateway_mqtt_connected 1\n",
         "canopen_gateway_mqtt_messages_published_total 11\n", "canopen_gateway_mqtt_answers_dropped_total 2\n",
         "canopen_gateway_recorder_works 0\n", "canopen_gateway_recorder_records_lost_total 6\n",
