@@ -20,6 +20,10 @@ constexpr canopen::Duration kCommandPatience = std::chrono::seconds(2);
 // all else that is done with a value.
 constexpr canopen::Duration kCompany = std::chrono::milliseconds(4);
 
+bool is_value(const Message& message) {
+  return message.kind == MessageKind::value;
+}
+
 }  // namespace
 
 Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, const config::Mqtt& settings,
@@ -47,7 +51,6 @@ Bridge::Bridge(boost::asio::any_io_executor executor, process::Plant& plant, con
       executor_(std::move(executor)),
       timer_(executor_),
       wake_at_(kNever),
-      company_(executor_, [this] { send_batch(canopen::Clock::now()); }),
       ended_(executor_) {
   feeds_.reserve(plant.size());
   for (std::size_t i = 0; i < plant.size(); ++i) {
@@ -174,12 +177,11 @@ canopen::TimePoint Bridge::turn() {
   } else {
     next_ = kNever;
   }
-  if (urgent_ || now - sent_at_ >= kCompany) {
+  if (std::exchange(urgent_, false) || now - sent_at_ >= kCompany || !std::ranges::all_of(batch_, is_value)) {
     send_batch(now);
-  } else if (!batch_.empty()) {
-    company_.arm_no_later_than(sent_at_ + kCompany);
   }
-  return std::min({next_, session_.deadline(), other_.next(), leaves});
+  const canopen::TimePoint company = batch_.empty() ? kNever : sent_at_ + kCompany;
+  return std::min({next_, session_.deadline(), other_.next(), leaves, company});
 }
 
 void Bridge::announce() {
@@ -209,7 +211,6 @@ void Bridge::send_batch(canopen::TimePoint now) {
   put_right_.note(batch_, now, notice_);
   broker_->publish(std::exchange(batch_, {}));
   sent_at_ = now;
-  urgent_ = false;
 }
 
 void Bridge::collect(canopen::TimePoint now) {

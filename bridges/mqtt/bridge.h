@@ -27,13 +27,12 @@
 #include "bridges/process/observer.h"
 #include "bridges/process/plant.h"
 #include "canopen/clock.h"
-#include "canopen/wake_up.h"
 #include "config/model.h"
 
 namespace mqtt {
 
-/// The plant on MQTT: marks what changed as the plant tells it, gives the broker one batch per turn of the loop, and
-/// takes commands. One loop, one thread.
+/// The plant on MQTT: marks what changed as the plant tells it, gives the broker one batch per turn of the loop at
+/// most, and takes commands. One loop, one thread.
 class Bridge final : public process::Observer, private BrokerEvents {
  public:
   /// To be added to the plant's observers before Plant::start(). The plant outlives it. `version` is shown in `B/info`;
@@ -138,7 +137,7 @@ class Bridge final : public process::Observer, private BrokerEvents {
   std::vector<Message> batch_;    ///< What waits for the broker's thread.
   canopen::TimePoint next_;       ///< When something of the alarms or feeds is due.
   canopen::TimePoint sent_at_{};  ///< The last batch.
-  bool urgent_ = false;           ///< This one waits for no company.
+  bool urgent_ = false;           ///< The next one waits for no company.
   std::function<void(bool)> connected_change_;
   std::function<process::ProgramHealth()> program_health_;
   std::optional<Connected> connection_;
@@ -151,7 +150,6 @@ class Bridge final : public process::Observer, private BrokerEvents {
   boost::asio::any_io_executor executor_;
   canopen::Timer timer_;
   canopen::TimePoint wake_at_;  ///< When the timer runs out.
-  canopen::WakeUp company_;     ///< Sends what waits for company.
   bool stopping_ = false;
   bool running_ = false;
   canopen::Timer ended_;  ///< Cancelled when run() ended.

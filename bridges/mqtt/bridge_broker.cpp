@@ -81,6 +81,8 @@ void Bridge::on_disconnected(const std::string& why) {
   connection_.reset();
   may_leave_ = leaving_ = false;
   last_break_ = why;
+  // Whatever is retained is told again on the next connection, if it is still there then.
+  std::erase_if(batch_, [](const Message& message) { return message.kind != MessageKind::answer; });
   session_.lost();
   other_.lost();
   leftovers_.lost(canopen::Clock::now());

@@ -270,41 +270,6 @@ TEST(MqttBridge, APulseWithinOneTurnIsToldInOrder) {
       << states[1];
 }
 
-TEST(MqttBridge, BehindABatchNumbersWaitForCompanyAndNothingElseDoes) {
-  config::Model model = PlantSite::bridge_model();
-  model.mqtt->min_interval = 0ms;
-  PlantSite site(model);
-  site.bring_up_drive();
-  site.connect();
-  site.run(1s);
-  site.loop().advance(4ms);
-  site.broker().forget();
-  const auto frequencies = [&site] { return site.broker().on("canopen/line3/pump1/output_frequency"); };
-  site.send_values(0, 100, 3);
-  EXPECT_EQ(frequencies(), std::vector<std::string>{"1.00"}) << "the first of them";
-  site.loop().advance(1ms);
-  site.send_values(0, 200, 3);
-  site.loop().advance(2ms);
-  site.send_values(0, 300, 3);
-  EXPECT_EQ(frequencies().size(), 1U);
-  EXPECT_EQ(site.broker().batches, 1U);
-  site.loop().advance(1ms);  // 4 ms behind the first
-  EXPECT_EQ(frequencies(), (std::vector<std::string>{"1.00", "2.00", "3.00"})) << "each, and not later for the third";
-  EXPECT_EQ(site.broker().batches, 2U);
-  site.loop().advance(1ms);
-  site.send_values(0x0001, 400, 4);
-  EXPECT_EQ(site.broker().on("canopen/line3/pump1/running"), std::vector<std::string>{"true"}) << "at once";
-  EXPECT_EQ(frequencies().back(), "4.00");
-  site.loop().advance(1ms);
-  site.puppet().dictionary[{0x1001, 0}].value = 1;
-  site.puppet().emergency(std::array<std::uint8_t, 8>{0x10, 0x23, 0x01, 0, 0, 0, 0, 0});
-  site.loop().settle();
-  EXPECT_TRUE(contains(site.retained("pump1/alarm/emcy"), "0x2310")) << "at once";
-  site.loop().advance(10ms);
-  site.send_values(0x0001, 500, 4);
-  EXPECT_EQ(frequencies().back(), "5.00") << "after a while of nothing";
-}
-
 TEST(MqttBridge, NumbersAloneAreToldOnceATurn) {
   PlantSite site;
   site.bring_up_drive();
