@@ -77,7 +77,7 @@ TEST_F(MqttCompany, AnAlarmGoesAtOnce) {
 
 TEST_F(MqttCompany, AnAnswerGoesAtOnce) {
   let_one_wait();
-  site_.command("canopen/line3/pump1/frequency_command/set", "99");
+  site_.command("pump1/frequency_command/set", "99");
   EXPECT_TRUE(contains(site_.last_answer(), R"("code":"range")")) << site_.last_answer();
 }
 
