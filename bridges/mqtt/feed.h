@@ -16,7 +16,8 @@
 namespace mqtt {
 
 /// What one drive has to tell but its alarms: marks what changed as it happens, and writes it out once per turn of the
-/// loop, and where something must not wait. The marks return when something is due; TimePoint::max() where nothing is.
+/// loop, and where something must not wait. The marks return when something is due; TimePoint::max() where nothing is,
+/// kAtOnce where it waits for nothing.
 class Feed {
  public:
   /// All outlive the feed.
